@@ -1,0 +1,237 @@
+// Every struct and constant that the host defines too (src/shared.rs). A test reflects this file
+// through naga and compares names, offsets, spans and values with the Rust twins, so nothing here
+// relies on a reader's care. Each vec3 is followed by a scalar, so that there is no hidden padding.
+
+const NONE: u32 = 0xffffffffu; // "no texture", "no hit", "no instance"
+
+// Reflection models, `Bsdf.model` and `Material.model`.
+const BSDF_LAMBERTIAN: u32 = 0u;
+const BSDF_OREN_NAYAR: u32 = 1u;            // the qualitative form (Oren and Nayar 1994)
+const BSDF_OREN_NAYAR_EON: u32 = 2u;        // the energy-preserving form (Portsmouth et al. 2025)
+const BSDF_SPECULAR_REFLECTION: u32 = 3u;
+const BSDF_SPECULAR_TRANSMISSION: u32 = 4u;
+const BSDF_DIELECTRIC: u32 = 5u;            // smooth: a delta reflection and a delta transmission
+const BSDF_ROUGH_DIELECTRIC: u32 = 6u;      // Walter et al. 2007
+const BSDF_TORRANCE_SPARROW: u32 = 7u;
+const BSDF_METALLIC_ROUGHNESS: u32 = 8u;    // glTF 2.0 appendix B
+const BSDF_UNLIT: u32 = 9u;                 // KHR_materials_unlit: emits base colour, reflects nothing
+
+// `Bsdf.fresnel`
+const FRESNEL_CONSTANT: u32 = 0u;
+const FRESNEL_DIELECTRIC: u32 = 1u;
+const FRESNEL_CONDUCTOR: u32 = 2u;             // exact, complex index
+const FRESNEL_CONDUCTOR_APPROXIMATE: u32 = 3u; // the lecture's form, for large eta^2 + k^2
+const FRESNEL_SCHLICK: u32 = 4u;
+
+// `Bsdf.distribution`
+const DISTRIBUTION_BLINN: u32 = 0u;
+const DISTRIBUTION_ASHIKHMIN_SHIRLEY: u32 = 1u;
+const DISTRIBUTION_BECKMANN: u32 = 2u;
+const DISTRIBUTION_GGX: u32 = 3u;
+
+// `Bsdf.masking`
+const MASKING_NONE: u32 = 0u;
+const MASKING_V_CAVITY: u32 = 1u;
+const MASKING_SMITH: u32 = 2u;
+
+// `Material.flags`
+const MATERIAL_DOUBLE_SIDED: u32 = 1u;
+const MATERIAL_ALPHA_MASK: u32 = 2u;
+const MATERIAL_ALPHA_BLEND: u32 = 4u;
+const MATERIAL_TRANSMISSIVE: u32 = 8u;  // rays meet its back faces too, whatever double-sidedness says
+const MATERIAL_EMISSIVE: u32 = 16u;     // its triangles are in the table of lights
+
+// `Texture.wrap`: wrap_s | wrap_t << 2; `Texture.format`; `Texture.filter`
+const WRAP_REPEAT: u32 = 0u;
+const WRAP_CLAMP: u32 = 1u;
+const WRAP_MIRROR: u32 = 2u;
+const FORMAT_RGBA8_UNORM: u32 = 0u;  // one word a texel, red in the low byte
+const FORMAT_RGBA8_SRGB: u32 = 1u;   // the same, red green blue sRGB-encoded, alpha linear
+const FORMAT_RGBA16_UNORM: u32 = 2u; // two words a texel: red | green << 16, blue | alpha << 16
+const FILTER_NEAREST: u32 = 0u;
+const FILTER_LINEAR: u32 = 1u;
+
+// `Triangle.layout`: what follows a vertex' normal in `vertices`, in this order.
+const LAYOUT_TANGENT: u32 = 1u;         // 4 words: tangent, handedness
+const LAYOUT_COLOR: u32 = 2u;           // 4 words: linear RGBA
+const LAYOUT_TEXCOORDS_SHIFT: u32 = 8u; // layout >> 8: number of texture coordinate sets, 2 words each
+
+// `Instance.flags`
+const INSTANCE_FLIPPED: u32 = 1u; // negative determinant: front faces wind the other way
+
+// `Light.kind`
+const LIGHT_POINT: u32 = 0u;
+const LIGHT_SPOT: u32 = 1u;
+const LIGHT_DIRECTIONAL: u32 = 2u;
+const LIGHT_TRIANGLE: u32 = 3u;
+const LIGHT_ENVIRONMENT: u32 = 4u;
+
+// `Camera.kind`
+const CAMERA_PERSPECTIVE: u32 = 0u;
+const CAMERA_ORTHOGRAPHIC: u32 = 1u;
+
+// `Frame.background_kind`: what a camera ray that meets nothing brings home.
+const BACKGROUND_ENVIRONMENT: u32 = 0u;
+const BACKGROUND_COLOR: u32 = 1u;
+const BACKGROUND_TRANSPARENT: u32 = 2u;
+
+// Sides of the table of directional albedo, `Tables.albedo` (cosine x roughness).
+const ALBEDO_TABLE_SIZE: u32 = 32u;
+
+// A pinhole or a parallel camera in world space; `right`, `up`, `forward` are orthonormal.
+struct Camera {
+    origin: vec3<f32>,
+    kind: u32,
+    right: vec3<f32>,
+    half_width: f32,  // perspective: tangent of half the horizontal angle; orthographic: metres
+    up: vec3<f32>,
+    half_height: f32,
+    forward: vec3<f32>,
+    near: f32,        // metres along forward; nothing nearer is seen
+}
+
+// What changes between dispatches, and what is one per picture. A uniform.
+struct Frame {
+    camera: Camera,
+    background: vec3<f32>,
+    background_kind: u32,
+    environment_strength: f32, // factor on the map's radiance; 0: there is no environment
+    environment_cos: f32,      // of the map's rotation about +y
+    environment_sin: f32,
+    environment_weight: f32,   // its weight in the choice of a light; 0: it is not sampled
+    film_size: vec2<u32>,      // the whole picture, pixels
+    tile_origin: vec2<u32>,    // this tile in the picture
+    tile_size: vec2<u32>,
+    environment_size: vec2<u32>,   // texels of the map
+    environment_cells: vec2<u32>,  // cells of its importance table
+    first_sample: u32,
+    sample_count: u32,         // samples a pixel in this dispatch
+    seed: u32,
+    max_depth: u32,            // surface interactions a path may have; 1 is direct light only
+    light_count: u32,
+    light_weight_total: f32,   // sum of all lights' weights, the environment's included; 0: no lights
+    root: u32,                 // node index of the top-level hierarchy's root, NONE: nothing to hit
+    capacity: u32,             // path slots
+    ray_offset_floor: f32,     // metres; see offset_origin
+    has_alpha: u32,            // 1: some material needs the opacity test while tracing
+}
+
+// Tables that reflection models look up. A uniform, made at start-up by src/tables.rs.
+struct Tables {
+    // Directional albedo of the single-scattering GGX lobe with Schlick's Fresnel, split so that
+    // E(cos, roughness) = F0 * x + F90 * y; entry [roughness][cosine], two entries in a vec4.
+    albedo: array<vec4<f32>, 512>,
+    // Hemispherical average of the same, 2 * integral of E * cos; entry [roughness].
+    albedo_average: array<vec4<f32>, 16>,
+}
+
+// One triangle of a mesh, in the mesh's object space and in the order of its hierarchy's leaves.
+struct Triangle {
+    p0: vec3<f32>,
+    vertex0: u32,   // first word of the vertex in `vertices`
+    e1: vec3<f32>,  // p1 - p0
+    vertex1: u32,
+    e2: vec3<f32>,  // p2 - p0
+    vertex2: u32,
+    material: u32,
+    layout: u32,
+    primitive: u32, // running number of the glTF primitive
+    reserved: u32,
+}
+
+// A mesh placed in the world; matrices are 3x4, by rows.
+struct Instance {
+    world_from_object: array<vec4<f32>, 3>,
+    object_from_world: array<vec4<f32>, 3>,
+    root: u32,           // node index of the mesh's hierarchy
+    first_triangle: u32, // index that the hierarchy's leaves count from
+    flags: u32,
+    object: u32,         // running number of the glTF node, for the record
+}
+
+// A texture as one material uses it: texels, sampler, and the affine map from KHR_texture_transform.
+struct Texture {
+    row_u: vec3<f32>,  // u' = dot(row_u, (u, v, 1))
+    texels: u32,       // first word in `texels`; NONE: no texture, sampling gives white
+    row_v: vec3<f32>,
+    wrap: u32,
+    size: vec2<u32>,
+    texcoord: u32,     // set of texture coordinates
+    format: u32,       // format | filter << 8
+}
+
+struct Material {
+    base_color: vec4<f32>,   // glTF base colour; the lecture's models: reflectance
+    emissive: vec3<f32>,     // radiance, strength included
+    emission_weight: f32,    // mean luminance of the emission, textures included; 0: not a light
+    model: u32,
+    flags: u32,
+    alpha_cutoff: f32,
+    normal_scale: f32,
+    metallic: f32,
+    roughness: f32,          // glTF roughness; Oren-Nayar: sigma in radians, or EON's roughness
+    ior: f32,                // inside over outside, of dielectrics and of glTF's dielectric part
+    fresnel: u32,
+    eta: vec3<f32>,          // conductor's index, or the constant reflectance, or F0
+    distribution: u32,
+    k: vec3<f32>,
+    masking: u32,
+    alpha: vec2<f32>,        // of Beckmann and GGX, or the exponents of Blinn and Ashikhmin-Shirley
+    reserved: vec2<u32>,
+    base_color_texture: Texture,
+    metallic_roughness_texture: Texture,
+    normal_texture: Texture,
+    emissive_texture: Texture,
+}
+
+// One entry of the table of lights; also an entry of its alias table (Walker 1977, Vose 1991).
+struct Light {
+    position: vec3<f32>,   // triangle: its first corner, world space
+    kind: u32,
+    direction: vec3<f32>,  // spot, directional: where the light goes, unit length; triangle: edge 1
+    alias_index: u32,
+    edge2: vec3<f32>,      // triangle: edge 2, world space
+    alias_threshold: f32,  // keep this entry where the remapped u is below it
+    radiance: vec3<f32>,   // triangle: factor on the texture; point, spot: W/(sr m^2) m^2; directional: W/m^2
+    weight: f32,           // chosen with probability weight / light_weight_total
+    cos_inner: f32,        // spot
+    cos_outer: f32,
+    range: f32,            // point, spot: metres, 0 is unlimited (KHR_lights_punctual)
+    triangle: u32,         // triangle: its index in `triangles`
+    instance: u32,
+    reserved0: u32,
+    reserved1: u32,
+    reserved2: u32,
+}
+
+// A reflection model with its parameters after texturing, in the local frame of a hit: what the
+// reflection functions take and what the laboratory's queries carry.
+struct Bsdf {
+    reflectance: vec3<f32>, // diffuse albedo, or the factor of a specular lobe
+    model: u32,
+    eta: vec3<f32>,         // conductor: index; constant: reflectance; Schlick: F0; dielectric: x is far over near, seen from wo
+    fresnel: u32,
+    k: vec3<f32>,
+    distribution: u32,
+    alpha: vec2<f32>,
+    roughness: f32,         // Oren-Nayar: sigma in radians, EON: roughness, metallic-roughness: glTF's
+    masking: u32,
+}
+
+// The laboratory: one query and its answer (kernels/bsdf_lab).
+struct LabQuery {
+    bsdf: Bsdf,
+    wo: vec3<f32>,
+    cos_theta: f32,
+    wi: vec3<f32>,
+    reserved: u32,
+    u: vec3<f32>,
+    reserved1: u32,
+}
+
+struct LabAnswer {
+    f: vec3<f32>,  // F for a Fresnel query
+    pdf: f32,
+    wi: vec3<f32>,
+    delta: u32,
+}

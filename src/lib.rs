@@ -1,0 +1,3 @@
+pub mod pack;
+pub mod scene;
+pub mod shared;
