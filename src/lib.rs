@@ -1,3 +1,4 @@
+pub mod cpu;
 pub mod pack;
 pub mod scene;
 pub mod shared;

@@ -1,0 +1,10 @@
+//! The reference: the renderer in float64, file for file the twin of `shaders/`.
+//!
+//! A twin has the functions of its shader in the same order and under the same names; where the
+//! shader reads a binding, the twin takes the packed scene as its first argument.
+#![allow(
+    non_snake_case,
+    reason = "functions are named by the field's letters: D, G1, F, Le"
+)]
+
+pub mod attributes;
