@@ -1,0 +1,162 @@
+//! What a renderer leaves behind: sums of samples per pixel, in float64, from which every output, the
+//! error estimate and the image tests are made.
+
+/// Sums over the samples of one pixel. Radiance is linear Rec. 709; where nothing was hit in front of
+/// a transparent background a sample is black with alpha 0, so colours are premultiplied.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FilmPixel {
+    /// Sum of radiance.
+    pub sum: [f64; 3],
+    /// Sum of coverage, each sample's in [0, 1].
+    pub alpha: f64,
+    /// Sum of squared radiance.
+    pub sum_sq: [f64; 3],
+    /// Samples in the sums.
+    pub samples: u32,
+    /// Samples that came out infinite or not a number: left out of the sums, counted here, reported.
+    pub non_finite: u32,
+}
+
+impl FilmPixel {
+    /// Adds one sample; one that is not finite is counted and otherwise left out.
+    pub fn add(&mut self, radiance: [f64; 3], alpha: f64) {
+        if !(radiance.iter().all(|x| x.is_finite()) && alpha.is_finite()) {
+            self.non_finite += 1;
+            return;
+        }
+        for (c, x) in radiance.into_iter().enumerate() {
+            self.sum[c] += x;
+            self.sum_sq[c] += x * x;
+        }
+        self.alpha += alpha;
+        self.samples += 1;
+    }
+
+    /// Estimated radiance; NaN without a finite sample.
+    pub fn mean(&self) -> [f64; 3] {
+        self.sum.map(|s| s / f64::from(self.samples))
+    }
+
+    /// Estimated coverage in [0, 1]; NaN without a finite sample.
+    pub fn coverage(&self) -> f64 {
+        self.alpha / f64::from(self.samples)
+    }
+
+    /// Unbiased estimate of the variance of one sample; NaN below two samples.
+    pub fn sample_variance(&self) -> [f64; 3] {
+        let n = f64::from(self.samples);
+        if self.samples < 2 {
+            return [f64::NAN; 3];
+        }
+        // Rounding can leave a tiny negative number where all samples are equal.
+        std::array::from_fn(|c| {
+            ((self.sum_sq[c] - self.sum[c] * self.sum[c] / n) / (n - 1.0)).max(0.0)
+        })
+    }
+
+    /// Estimated variance of `mean`, as if the samples were independent: the sampler's points are
+    /// stratified, which makes the true variance smaller on smooth integrands.
+    pub fn variance(&self) -> [f64; 3] {
+        self.sample_variance().map(|v| v / f64::from(self.samples))
+    }
+}
+
+/// Pixels by rows, row 0 on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    pub width: u32,
+    pub height: u32,
+    pub pixels: Vec<FilmPixel>,
+}
+
+/// How far a picture is from converged, from its own samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmError {
+    /// Standard error over radiance, averaged over channels and pixels; see `Film::error`.
+    pub relative: f64,
+    /// 95 % confidence interval of `relative`.
+    pub confidence: [f64; 2],
+}
+
+impl Film {
+    pub fn new(width: u32, height: u32) -> Film {
+        Film {
+            width,
+            height,
+            pixels: vec![FilmPixel::default(); width as usize * height as usize],
+        }
+    }
+
+    /// The pixel in column `x` and row `y`.
+    ///
+    /// # Panics
+    /// Outside of the film.
+    pub fn pixel(&self, x: u32, y: u32) -> &FilmPixel {
+        &self.pixels[y as usize * self.width as usize + x as usize]
+    }
+
+    /// As `pixel`, to write to.
+    pub fn pixel_mut(&mut self, x: u32, y: u32) -> &mut FilmPixel {
+        &mut self.pixels[y as usize * self.width as usize + x as usize]
+    }
+
+    /// Samples that were infinite or not a number, of the whole picture.
+    pub fn non_finite(&self) -> u64 {
+        self.pixels.iter().map(|p| u64::from(p.non_finite)).sum()
+    }
+
+    /// Samples in the sums, of the whole picture.
+    pub fn samples(&self) -> u64 {
+        self.pixels.iter().map(|p| u64::from(p.samples)).sum()
+    }
+
+    /// True where no finite sample brought any radiance.
+    pub fn is_black(&self) -> bool {
+        self.pixels.iter().all(|p| p.sum == [0.0; 3])
+    }
+
+    /// Radiance averaged over pixels and channels, pixels without a finite sample left out.
+    pub fn average(&self) -> f64 {
+        let (sum, count) = self
+            .pixels
+            .iter()
+            .filter(|p| p.samples > 0)
+            .fold((0.0, 0u64), |(sum, count), p| {
+                (sum + p.mean().iter().sum::<f64>() / 3.0, count + 1)
+            });
+        if count == 0 { 0.0 } else { sum / count as f64 }
+    }
+
+    /// The relative standard error of a pixel, averaged over the picture. Each pixel's error is taken
+    /// relative to its own radiance plus 1 % of the picture's average, lest dark pixels rule. The
+    /// interval is that of the average over pixels; pixels differ in more than chance, so it is wider
+    /// than need be. `None` where no pixel has two samples.
+    pub fn error(&self) -> Option<FilmError> {
+        /// The share of the picture's average radiance below which a pixel counts as dark.
+        const DARK: f64 = 0.01;
+        /// Two-sided 95 % quantile of the normal distribution.
+        const Z_95: f64 = 1.959_963_984_540_054;
+        let floor = DARK * self.average();
+        let errors: Vec<f64> = self
+            .pixels
+            .iter()
+            .filter(|p| p.samples >= 2)
+            .map(|p| {
+                let error: f64 = p.variance().iter().map(|v| v.sqrt()).sum();
+                let level = p.mean().iter().sum::<f64>() + 3.0 * floor;
+                if error == 0.0 { 0.0 } else { error / level }
+            })
+            .collect();
+        if errors.is_empty() {
+            return None;
+        }
+        let n = errors.len() as f64;
+        let relative = errors.iter().sum::<f64>() / n;
+        let spread = errors.iter().map(|e| (e - relative).powi(2)).sum::<f64>() / n;
+        let half = Z_95 * (spread / n).sqrt();
+        Some(FilmError {
+            relative,
+            confidence: [(relative - half).max(0.0), relative + half],
+        })
+    }
+}
