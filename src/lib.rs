@@ -6,3 +6,4 @@ pub mod output;
 pub mod pack;
 pub mod scene;
 pub mod shared;
+pub mod tables;
