@@ -7,12 +7,12 @@ import package::bindings::{vertices};
 // Words of the normal, which comes first and is always there.
 const ATTRIBUTE_NORMAL_WORDS: u32 = 3u;
 
-fn attribute_color_offset(layout: u32) -> u32 {
-    return ATTRIBUTE_NORMAL_WORDS + select(0u, 4u, (layout & LAYOUT_TANGENT) != 0u);
+fn attribute_color_offset(vertex_layout: u32) -> u32 {
+    return ATTRIBUTE_NORMAL_WORDS + select(0u, 4u, (vertex_layout & LAYOUT_TANGENT) != 0u);
 }
 
-fn attribute_texcoord_offset(layout: u32) -> u32 {
-    return attribute_color_offset(layout) + select(0u, 4u, (layout & LAYOUT_COLOR) != 0u);
+fn attribute_texcoord_offset(vertex_layout: u32) -> u32 {
+    return attribute_color_offset(vertex_layout) + select(0u, 4u, (vertex_layout & LAYOUT_COLOR) != 0u);
 }
 
 // One word of an attribute, `offset` words into each of the three vertices.
@@ -33,7 +33,7 @@ fn attribute_normal(triangle: Triangle, barycentrics: vec2<f32>) -> vec3<f32> {
 
 // Object space, w = handedness; zero where the mesh has no tangents.
 fn attribute_tangent(triangle: Triangle, barycentrics: vec2<f32>) -> vec4<f32> {
-    if (triangle.layout & LAYOUT_TANGENT) == 0u {
+    if (triangle.vertex_layout & LAYOUT_TANGENT) == 0u {
         return vec4<f32>(0.0);
     }
     return vec4<f32>(
@@ -47,10 +47,10 @@ fn attribute_tangent(triangle: Triangle, barycentrics: vec2<f32>) -> vec4<f32> {
 
 // COLOR_0, linear; white where the mesh has none.
 fn attribute_color(triangle: Triangle, barycentrics: vec2<f32>) -> vec4<f32> {
-    if (triangle.layout & LAYOUT_COLOR) == 0u {
+    if (triangle.vertex_layout & LAYOUT_COLOR) == 0u {
         return vec4<f32>(1.0);
     }
-    let offset = attribute_color_offset(triangle.layout);
+    let offset = attribute_color_offset(triangle.vertex_layout);
     return vec4<f32>(
         attribute_word(triangle, barycentrics, offset),
         attribute_word(triangle, barycentrics, offset + 1u),
@@ -59,12 +59,12 @@ fn attribute_color(triangle: Triangle, barycentrics: vec2<f32>) -> vec4<f32> {
     );
 }
 
-// TEXCOORD_set; zero where the mesh has no such set.
-fn attribute_texcoord(triangle: Triangle, barycentrics: vec2<f32>, set: u32) -> vec2<f32> {
-    if set >= triangle.layout >> LAYOUT_TEXCOORDS_SHIFT {
+// TEXCOORD_n of n = texcoord; zero where the mesh has no such set.
+fn attribute_texcoord(triangle: Triangle, barycentrics: vec2<f32>, texcoord: u32) -> vec2<f32> {
+    if texcoord >= triangle.vertex_layout >> LAYOUT_TEXCOORDS_SHIFT {
         return vec2<f32>(0.0);
     }
-    let offset = attribute_texcoord_offset(triangle.layout) + 2u * set;
+    let offset = attribute_texcoord_offset(triangle.vertex_layout) + 2u * texcoord;
     return vec2<f32>(
         attribute_word(triangle, barycentrics, offset),
         attribute_word(triangle, barycentrics, offset + 1u),

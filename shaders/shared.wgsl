@@ -51,10 +51,10 @@ const FORMAT_RGBA16_UNORM: u32 = 2u; // two words a texel: red | green << 16, bl
 const FILTER_NEAREST: u32 = 0u;
 const FILTER_LINEAR: u32 = 1u;
 
-// `Triangle.layout`: what follows a vertex' normal in `vertices`, in this order.
+// `Triangle.vertex_layout`: what follows a vertex' normal in `vertices`, in this order.
 const LAYOUT_TANGENT: u32 = 1u;         // 4 words: tangent, handedness
 const LAYOUT_COLOR: u32 = 2u;           // 4 words: linear RGBA
-const LAYOUT_TEXCOORDS_SHIFT: u32 = 8u; // layout >> 8: number of texture coordinate sets, 2 words each
+const LAYOUT_TEXCOORDS_SHIFT: u32 = 8u; // vertex_layout >> 8: number of texture coordinate sets, 2 words each
 
 // `Instance.flags`
 const INSTANCE_FLIPPED: u32 = 1u; // negative determinant: front faces wind the other way
@@ -134,7 +134,7 @@ struct Triangle {
     e2: vec3<f32>,  // p2 - p0
     vertex2: u32,
     material: u32,
-    layout: u32,
+    vertex_layout: u32,
     primitive: u32, // running number of the glTF primitive
     reserved: u32,
 }

@@ -2,6 +2,7 @@ pub mod compare;
 pub mod cpu;
 pub mod error;
 pub mod film;
+pub mod gpu;
 pub mod output;
 pub mod pack;
 pub mod scene;

@@ -118,7 +118,7 @@ pub struct Triangle {
     pub e2: [f32; 3],
     pub vertex2: u32,
     pub material: u32,
-    pub layout: u32,
+    pub vertex_layout: u32,
     pub primitive: u32,
     pub reserved: u32,
 }

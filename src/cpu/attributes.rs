@@ -8,12 +8,22 @@ use glam::{DVec2, DVec3, DVec4};
 /// Words of the normal, which comes first and is always there.
 pub const ATTRIBUTE_NORMAL_WORDS: u32 = 3;
 
-pub fn attribute_color_offset(layout: u32) -> u32 {
-    ATTRIBUTE_NORMAL_WORDS + if layout & LAYOUT_TANGENT != 0 { 4 } else { 0 }
+pub fn attribute_color_offset(vertex_layout: u32) -> u32 {
+    ATTRIBUTE_NORMAL_WORDS
+        + if vertex_layout & LAYOUT_TANGENT != 0 {
+            4
+        } else {
+            0
+        }
 }
 
-pub fn attribute_texcoord_offset(layout: u32) -> u32 {
-    attribute_color_offset(layout) + if layout & LAYOUT_COLOR != 0 { 4 } else { 0 }
+pub fn attribute_texcoord_offset(vertex_layout: u32) -> u32 {
+    attribute_color_offset(vertex_layout)
+        + if vertex_layout & LAYOUT_COLOR != 0 {
+            4
+        } else {
+            0
+        }
 }
 
 /// One word of an attribute, `offset` words into each of the three vertices.
@@ -40,7 +50,7 @@ pub fn attribute_normal(packed: &Packed, triangle: &Triangle, barycentrics: DVec
 
 /// Object space, w = handedness; zero where the mesh has no tangents.
 pub fn attribute_tangent(packed: &Packed, triangle: &Triangle, barycentrics: DVec2) -> DVec4 {
-    if triangle.layout & LAYOUT_TANGENT == 0 {
+    if triangle.vertex_layout & LAYOUT_TANGENT == 0 {
         return DVec4::ZERO;
     }
     DVec4::new(
@@ -54,10 +64,10 @@ pub fn attribute_tangent(packed: &Packed, triangle: &Triangle, barycentrics: DVe
 
 /// COLOR_0, linear; white where the mesh has none.
 pub fn attribute_color(packed: &Packed, triangle: &Triangle, barycentrics: DVec2) -> DVec4 {
-    if triangle.layout & LAYOUT_COLOR == 0 {
+    if triangle.vertex_layout & LAYOUT_COLOR == 0 {
         return DVec4::ONE;
     }
-    let offset = attribute_color_offset(triangle.layout);
+    let offset = attribute_color_offset(triangle.vertex_layout);
     DVec4::new(
         attribute_word(packed, triangle, barycentrics, offset),
         attribute_word(packed, triangle, barycentrics, offset + 1),
@@ -66,17 +76,17 @@ pub fn attribute_color(packed: &Packed, triangle: &Triangle, barycentrics: DVec2
     )
 }
 
-/// TEXCOORD_set; zero where the mesh has no such set.
+/// TEXCOORD_n of n = texcoord; zero where the mesh has no such set.
 pub fn attribute_texcoord(
     packed: &Packed,
     triangle: &Triangle,
     barycentrics: DVec2,
-    set: u32,
+    texcoord: u32,
 ) -> DVec2 {
-    if set >= triangle.layout >> LAYOUT_TEXCOORDS_SHIFT {
+    if texcoord >= triangle.vertex_layout >> LAYOUT_TEXCOORDS_SHIFT {
         return DVec2::ZERO;
     }
-    let offset = attribute_texcoord_offset(triangle.layout) + 2 * set;
+    let offset = attribute_texcoord_offset(triangle.vertex_layout) + 2 * texcoord;
     DVec2::new(
         attribute_word(packed, triangle, barycentrics, offset),
         attribute_word(packed, triangle, barycentrics, offset + 1),

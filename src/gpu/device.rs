@@ -1,0 +1,187 @@
+//! Finding and opening an adapter.
+
+use std::sync::{Arc, Mutex};
+use thiserror::Error;
+
+/// An opened adapter. Errors that wgpu reports outside any scope, and the loss of the device, are
+/// kept here for the renderer to ask about: the default handler would end the process.
+pub struct Gpu {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    pub info: wgpu::AdapterInfo,
+    pub limits: wgpu::Limits,
+    fault: Arc<Mutex<Option<Fault>>>,
+}
+
+/// What went wrong on the device since it was opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fault {
+    Lost(String),
+    OutOfMemory(String),
+    Other(String),
+}
+
+/// What `snell doctor` prints of an adapter.
+#[derive(Clone, Debug)]
+pub struct AdapterSummary {
+    pub info: wgpu::AdapterInfo,
+    pub limits: wgpu::Limits,
+    /// What of WebGPU's defaults it lacks; such an adapter cannot be used.
+    pub missing: Option<String>,
+}
+
+#[derive(Debug, Error)]
+pub enum DeviceError {
+    #[error(
+        "no Vulkan, Metal or D3D12 adapter was found; install a driver (Debian, Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1) or render with --cpu"
+    )]
+    NoAdapter,
+    #[error("no adapter's name contains \"{wanted}\"; there are: {found}")]
+    NotFound { wanted: String, found: String },
+    #[error(
+        "{name} does not offer what WebGPU asks of every adapter ({fault}); choose another with --adapter, or --cpu"
+    )]
+    BelowDefaults { name: String, fault: String },
+    #[error("{name} refused to open: {fault}")]
+    Refused { name: String, fault: String },
+}
+
+fn instance() -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+    // Debug builds would otherwise look for validation layers that servers do not have.
+    descriptor.flags = wgpu::InstanceFlags::empty();
+    wgpu::Instance::new(descriptor)
+}
+
+/// All adapters, best first; the driver's own order among equals, so that the choice is the same
+/// every time.
+fn enumerate(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    adapters
+}
+
+/// All adapters, the one that `open(None)` takes first.
+pub fn adapters() -> Vec<AdapterSummary> {
+    enumerate(&instance())
+        .iter()
+        .map(|adapter| AdapterSummary {
+            info: adapter.get_info(),
+            limits: adapter.limits(),
+            missing: missing(adapter),
+        })
+        .collect()
+}
+
+/// The first of WebGPU's default limits, or compute shaders, that an adapter does not offer.
+fn missing(adapter: &wgpu::Adapter) -> Option<String> {
+    let flags = adapter.get_downlevel_capabilities().flags;
+    if !flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS) {
+        return Some("it has no compute shaders".to_owned());
+    }
+    let mut missing = None;
+    wgpu::Limits::default().check_limits_with_fail_fn(
+        &adapter.limits(),
+        false,
+        |name, wanted, offered| {
+            missing.get_or_insert_with(|| format!("{name} is {offered}, not {wanted}"));
+        },
+    );
+    missing
+}
+
+/// Opens the best adapter, or the first whose name contains `wanted` (letter case aside).
+///
+/// All limits that the adapter offers are asked for; nothing beyond WebGPU's defaults is needed.
+pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
+    let instance = instance();
+    let adapters = enumerate(&instance);
+    if adapters.is_empty() && wanted.is_none() {
+        return Err(DeviceError::NoAdapter);
+    }
+    let names: Vec<String> = adapters
+        .iter()
+        .map(|adapter| adapter.get_info().name)
+        .collect();
+    let position = match wanted {
+        None => 0,
+        Some(wanted) => names
+            .iter()
+            .position(|name| name.to_lowercase().contains(&wanted.to_lowercase()))
+            .ok_or_else(|| DeviceError::NotFound {
+                wanted: wanted.to_owned(),
+                found: match names.len() {
+                    0 => "none".to_owned(),
+                    _ => names.join(", "),
+                },
+            })?,
+    };
+    let adapter = &adapters[position];
+    let info = adapter.get_info();
+    if let Some(fault) = missing(adapter) {
+        return Err(DeviceError::BelowDefaults {
+            name: info.name,
+            fault,
+        });
+    }
+    let limits = adapter.limits();
+    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        label: Some("snell"),
+        required_features: wgpu::Features::empty(),
+        required_limits: limits.clone(),
+        ..Default::default()
+    }))
+    .map_err(|error| DeviceError::Refused {
+        name: info.name.clone(),
+        fault: error.to_string(),
+    })?;
+
+    let fault = Arc::new(Mutex::new(None));
+    let keep = |fault: &Arc<Mutex<Option<Fault>>>| {
+        let fault = Arc::clone(fault);
+        move |seen: Fault| {
+            // The first fault is the cause; what follows are its consequences.
+            fault
+                .lock()
+                .unwrap_or_else(|poisoned| poisoned.into_inner())
+                .get_or_insert(seen);
+        }
+    };
+    let keep_error = keep(&fault);
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        keep_error(match error {
+            wgpu::Error::OutOfMemory { .. } => Fault::OutOfMemory(error.to_string()),
+            other => Fault::Other(other.to_string()),
+        });
+    }));
+    let keep_loss = keep(&fault);
+    device.set_device_lost_callback(move |reason, message| {
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            keep_loss(Fault::Lost(message));
+        }
+    });
+    Ok(Gpu {
+        device,
+        queue,
+        info,
+        limits,
+        fault,
+    })
+}
+
+impl Gpu {
+    /// The first fault seen, if any; taken, so that a caller who recovers starts clean.
+    pub fn take_fault(&self) -> Option<Fault> {
+        self.fault
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
+            .take()
+    }
+}

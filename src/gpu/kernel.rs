@@ -1,0 +1,109 @@
+//! A linked shader as a compute pipeline, and its bind groups.
+
+use super::device::Gpu;
+use super::link::{LinkError, Linked, ShaderError};
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// One entry point, compiled.
+pub struct Kernel {
+    pub pipeline: wgpu::ComputePipeline,
+    label: String,
+    /// Bindings that the entry point reaches, by group: the pipeline's layout has just these.
+    used: BTreeMap<u32, Vec<u32>>,
+}
+
+#[derive(Debug, Error)]
+pub enum KernelError {
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    #[error("shader {shader} has no entry point {entry}")]
+    NoEntry { shader: String, entry: String },
+    #[error("the driver refused shader {shader}, entry point {entry}: {message}")]
+    Refused {
+        shader: String,
+        entry: String,
+        message: String,
+    },
+}
+
+impl Kernel {
+    /// Validates with naga (whose messages name our files), then hands the text to the driver.
+    pub fn new(gpu: &Gpu, linked: &Linked, entry: &str) -> Result<Self, KernelError> {
+        let (module, info) = linked.validate()?;
+        let index = module
+            .entry_points
+            .iter()
+            .position(|point| point.name == entry)
+            .ok_or_else(|| KernelError::NoEntry {
+                shader: linked.name.clone(),
+                entry: entry.to_owned(),
+            })?;
+        let reach = info.get_entry_point(index);
+        let mut used: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (handle, variable) in module.global_variables.iter() {
+            if let Some(place) = &variable.binding
+                && !reach[handle].is_empty()
+            {
+                used.entry(place.group).or_default().push(place.binding);
+            }
+        }
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let shader = gpu
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(&linked.name),
+                source: wgpu::ShaderSource::Wgsl(linked.text.as_str().into()),
+            });
+        let pipeline = gpu
+            .device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry),
+                layout: None,
+                module: &shader,
+                entry_point: Some(entry),
+                compilation_options: Default::default(),
+                cache: None,
+            });
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            return Err(KernelError::Refused {
+                shader: linked.name.clone(),
+                entry: entry.to_owned(),
+                message: error.to_string(),
+            });
+        }
+        Ok(Self {
+            pipeline,
+            label: entry.to_owned(),
+            used,
+        })
+    }
+
+    /// The bind groups 0 to the highest one used, with what `resource(group, binding)` gives.
+    pub fn bind<'a>(
+        &self,
+        gpu: &Gpu,
+        resource: impl Fn(u32, u32) -> wgpu::BindingResource<'a>,
+    ) -> Vec<wgpu::BindGroup> {
+        let groups = self.used.keys().max().map_or(0, |last| last + 1);
+        (0..groups)
+            .map(|group| {
+                let bindings = self.used.get(&group).map_or(&[][..], Vec::as_slice);
+                let entries: Vec<_> = bindings
+                    .iter()
+                    .map(|&binding| wgpu::BindGroupEntry {
+                        binding,
+                        resource: resource(group, binding),
+                    })
+                    .collect();
+                gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some(&self.label),
+                    layout: &self.pipeline.get_bind_group_layout(group),
+                    entries: &entries,
+                })
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,8 @@
+//! The GPU side: an adapter, linked kernels, the packed scene uploaded, and the wavefront loop.
+
+pub mod device;
+pub mod kernel;
+pub mod link;
+pub mod read;
+pub mod shaders;
+pub mod upload;

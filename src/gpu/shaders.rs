@@ -1,0 +1,26 @@
+//! The shader texts, embedded in the binary. A test compares this table with the folder.
+
+/// Module name (path under `shaders/` without its ending) and text.
+pub type Module = (&'static str, &'static str);
+
+macro_rules! modules {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../shaders/", $name, ".wgsl")))),*]
+    };
+}
+
+/// Every shader file: modules that others import, and the kernels that import them.
+#[rustfmt::skip]
+pub const MODULES: &[Module] = modules![
+    "attributes",
+    "bindings",
+    "shared",
+];
+
+/// The text of a module.
+pub fn text(name: &str) -> Option<&'static str> {
+    MODULES
+        .iter()
+        .find(|(module, _)| *module == name)
+        .map(|(_, text)| *text)
+}
