@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use crate::film::{Film, FilmPixel};
+use crate::output::tonemap::Tonemap;
 use crate::output::{Channels, Format, Look, Window, encode};
 
 /// Writes `NAME-a.png`, `NAME-b.png` and `NAME-error.png` to `folder`, which is made where missing.
@@ -12,12 +13,22 @@ use crate::output::{Channels, Format, Look, Window, encode};
 /// brightness is a relative error of 1 (logarithmic, four decades down to black).
 pub fn write_maps(folder: &Path, name: &str, a: &Film, b: &Film) -> io::Result<()> {
     fs::create_dir_all(folder)?;
-    for (suffix, film) in [("a", a), ("b", b), ("error", &error_map(a, b))] {
+    let map = error_map(a, b);
+    let shown = [
+        ("a", a, Tonemap::Neutral),
+        ("b", b, Tonemap::Neutral),
+        ("error", &map, Tonemap::Linear),
+    ];
+    for (suffix, film, tonemap) in shown {
+        let look = Look {
+            exposure_ev: 0.0,
+            tonemap,
+        };
         let png = encode(
             film,
             Format::Png,
             Channels::default(),
-            Look::default(),
+            look,
             Window::whole(film),
             "",
         )
