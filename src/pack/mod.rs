@@ -1,5 +1,7 @@
 //! From a scene to the flat arrays that both renderers read: the fork in the data flow.
 
+pub mod model;
+
 use crate::shared::{Frame, Instance, Light, Material, Tables, Triangle};
 
 /// Everything a renderer reads, as it goes to the GPU byte for byte.

@@ -4,6 +4,7 @@
 //! Right-handed, y up, metres, radians; colours linear Rec. 709; light in radiometric units.
 
 pub mod bsdf_model;
+pub mod metals;
 
 use bsdf_model::BsdfModel;
 use glam::{Affine3A, Vec2, Vec3, Vec4};
