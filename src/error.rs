@@ -1,5 +1,6 @@
 //! Everything that can end a run, and the exit status that it ends with.
 
+use crate::gpu::device::DeviceError;
 use crate::output::OutputError;
 
 #[derive(Debug, thiserror::Error)]
@@ -7,6 +8,10 @@ pub enum Error {
     /// Arguments that parse and make no sense together.
     #[error("{0}")]
     Usage(String),
+    #[error("cannot write to standard output: {0}")]
+    Stdout(std::io::Error),
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     #[error(transparent)]
     Output(#[from] OutputError),
 }
@@ -17,7 +22,14 @@ impl Error {
     pub fn exit_status(&self) -> u8 {
         match self {
             Error::Usage(_) => 2,
-            Error::Output(e) => match e {
+            Error::Stdout(_) => 8,
+            Error::Device(error) => match error {
+                DeviceError::NoAdapter
+                | DeviceError::NotFound { .. }
+                | DeviceError::BelowDefaults { .. } => 5,
+                DeviceError::Refused { .. } => 7,
+            },
+            Error::Output(error) => match error {
                 OutputError::UnknownEnding(_) | OutputError::Twice(_) => 2,
                 OutputError::Folder { .. }
                 | OutputError::IsFolder(_)

@@ -1,3 +1,4 @@
+pub mod cli;
 pub mod compare;
 pub mod cpu;
 pub mod error;
@@ -5,6 +6,7 @@ pub mod film;
 pub mod gpu;
 pub mod output;
 pub mod pack;
+pub mod progress;
 pub mod scene;
 pub mod shared;
 pub mod tables;

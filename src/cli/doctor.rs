@@ -1,0 +1,226 @@
+//! `snell doctor`: which adapters there are, what Snell can do with them, and what to do about it.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use crate::error::Error;
+use crate::gpu::device::{AdapterSummary, DeviceError, adapters};
+
+/// Nothing to choose: it looks at everything.
+#[derive(Debug, clap::Args)]
+pub struct DoctorArgs {}
+
+/// Prints the findings; an error where no adapter can be used.
+pub fn run(_: &DoctorArgs) -> Result<(), Error> {
+    let adapters = adapters();
+    super::print(&text(&adapters))?;
+    if adapters.iter().any(|a| a.missing.is_none()) {
+        Ok(())
+    } else {
+        Err(DeviceError::NoAdapter.into())
+    }
+}
+
+fn text(adapters: &[AdapterSummary]) -> String {
+    let mut out = format!("Snell {}\n\n", env!("CARGO_PKG_VERSION"));
+    for (i, adapter) in adapters.iter().enumerate() {
+        describe(&mut out, i, adapter);
+    }
+    if adapters.is_empty() {
+        out.push_str("No Vulkan, Metal or D3D12 adapter.\n");
+    }
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    line(
+        &mut out,
+        &format!("\nCPU renderer: always there (--cpu), {threads} threads."),
+    );
+    out.push('\n');
+    for finding in findings(adapters) {
+        line(&mut out, &finding);
+    }
+    out
+}
+
+fn line(out: &mut String, text: &str) {
+    out.push_str(text);
+    out.push('\n');
+}
+
+fn describe(out: &mut String, index: usize, adapter: &AdapterSummary) {
+    let (info, limits) = (&adapter.info, &adapter.limits);
+    let number = index + 1;
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "{number}. {}", info.name);
+    let _ = writeln!(out, "   type      {}", kind(info.device_type));
+    let _ = writeln!(
+        out,
+        "   driver    {}",
+        [info.driver.as_str(), info.driver_info.as_str()]
+            .join(" ")
+            .trim()
+    );
+    let _ = writeln!(out, "   backend   {}", info.backend);
+    let _ = writeln!(
+        out,
+        "   limits    {} a storage binding, {} a buffer, {} storage buffers a stage,",
+        bytes(limits.max_storage_buffer_binding_size),
+        bytes(limits.max_buffer_size),
+        limits.max_storage_buffers_per_shader_stage,
+    );
+    let _ = writeln!(
+        out,
+        "             textures to {} px, {} invocations a workgroup, {} workgroups a dispatch",
+        limits.max_texture_dimension_2d,
+        limits.max_compute_invocations_per_workgroup,
+        limits.max_compute_workgroups_per_dimension,
+    );
+    match &adapter.missing {
+        Some(missing) => line(out, &format!("   usable    no: {missing}")),
+        None if index == 0 => line(out, "   usable    yes; taken by default"),
+        None => line(out, &format!("   usable    yes: --adapter '{}'", info.name)),
+    }
+}
+
+/// What an adapter is, in words.
+pub fn kind(kind: wgpu::DeviceType) -> &'static str {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+        wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+        wgpu::DeviceType::VirtualGpu => "virtual GPU",
+        wgpu::DeviceType::Cpu => "software, on the CPU",
+        wgpu::DeviceType::Other => "other",
+    }
+}
+
+/// Binary multiples, as limits are made.
+pub fn bytes(size: u64) -> String {
+    const UNITS: [&str; 4] = ["bytes", "KiB", "MiB", "GiB"];
+    let step = (0..UNITS.len() - 1).find(|&s| size >> (10 * (s + 1)) == 0);
+    let step = step.unwrap_or(UNITS.len() - 1);
+    format!("{} {}", size >> (10 * step), UNITS[step])
+}
+
+fn findings(adapters: &[AdapterSummary]) -> Vec<String> {
+    let mut findings = Vec::new();
+    let usable: Vec<_> = adapters.iter().filter(|a| a.missing.is_none()).collect();
+    let only_software = usable
+        .iter()
+        .all(|a| a.info.device_type == wgpu::DeviceType::Cpu);
+    if cfg!(target_os = "linux") {
+        findings.extend(driver_variables());
+        if usable.is_empty() {
+            findings.extend(missing_parts());
+        }
+        if only_software {
+            findings.extend(closed_nodes());
+        }
+    }
+    let noise = device_select_noise();
+    if findings.is_empty() && usable.is_empty() {
+        findings.push(
+            "Install or update the driver of the graphics card, or render with --cpu.".into(),
+        );
+    } else if findings.is_empty() && only_software {
+        findings.push(
+            "All is well. The only adapter is software: the pictures are the same, a GPU is faster."
+                .into(),
+        );
+    } else if findings.is_empty() {
+        findings.push("All is well.".into());
+    }
+    findings.extend(noise);
+    findings
+}
+
+/// Variables that tell the Vulkan loader which drivers to take, and name files that are not there.
+fn driver_variables() -> Vec<String> {
+    let mut findings = Vec::new();
+    for name in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+        let Some(value) = std::env::var_os(name) else {
+            continue;
+        };
+        for path in std::env::split_paths(&value) {
+            if !path.exists() {
+                findings.push(format!(
+                    "{name} names '{}', which does not exist, so the Vulkan loader finds no driver by it; unset {name} or correct it.",
+                    path.display()
+                ));
+            }
+        }
+    }
+    findings
+}
+
+/// Mesa's device-select layer looks for a Wayland server and complains where there is none.
+fn device_select_noise() -> Option<String> {
+    let unset = |name| std::env::var_os(name).is_none();
+    (cfg!(target_os = "linux") && unset("XDG_RUNTIME_DIR") && unset("NODEVICE_SELECT")).then(|| {
+        "A line 'error: XDG_RUNTIME_DIR is invalid' comes from a Vulkan layer of Mesa's and is harmless; NODEVICE_SELECT=1 in the environment turns it off.".into()
+    })
+}
+
+/// What a Linux without any adapter lacks.
+fn missing_parts() -> Vec<String> {
+    const INSTALL: &str = "on Debian and Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1";
+    const MANIFESTS: [&str; 3] = [
+        "/usr/share/vulkan/icd.d",
+        "/usr/local/share/vulkan/icd.d",
+        "/etc/vulkan/icd.d",
+    ];
+    let mut findings = Vec::new();
+    let loader = ["/usr/lib", "/usr/lib64", "/lib", "/lib64", "/usr/local/lib"]
+        .iter()
+        .any(|folder| holds(Path::new(folder), "libvulkan.so", true));
+    if !loader {
+        findings.push(format!(
+            "The Vulkan loader (libvulkan.so.1) is not installed; {INSTALL}"
+        ));
+    }
+    if !MANIFESTS.iter().any(|f| holds(Path::new(f), "", false)) {
+        findings.push(format!(
+            "No Vulkan driver is installed (no file in {}); {INSTALL}",
+            MANIFESTS[0]
+        ));
+    }
+    findings
+}
+
+/// Whether a folder, or a folder right below it (`/usr/lib/x86_64-linux-gnu`), holds such a file.
+fn holds(folder: &Path, prefix: &str, below: bool) -> bool {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return false;
+    };
+    entries.flatten().any(|entry| {
+        let path = entry.path();
+        entry.file_name().to_string_lossy().starts_with(prefix) && !path.is_dir()
+            || below && path.is_dir() && holds(&path, prefix, false)
+    })
+}
+
+/// Render nodes of graphics cards that this user may not open.
+fn closed_nodes() -> Vec<String> {
+    let Ok(entries) = fs::read_dir("/dev/dri") else {
+        return Vec::new();
+    };
+    let mut closed: Vec<String> = entries
+        .flatten()
+        .map(|e| e.path())
+        .filter(|p| p.to_string_lossy().contains("renderD"))
+        .filter(|p| {
+            fs::OpenOptions::new()
+                .read(true)
+                .write(true)
+                .open(p)
+                .is_err_and(|e| e.kind() == std::io::ErrorKind::PermissionDenied)
+        })
+        .map(|p| {
+            format!(
+                "There is a graphics card at {}, which you may not open; add yourself to the group that owns it (often 'render').",
+                p.display()
+            )
+        })
+        .collect();
+    closed.sort();
+    closed
+}
