@@ -7,6 +7,7 @@ pub mod gpu;
 pub mod output;
 pub mod pack;
 pub mod progress;
+pub mod render;
 pub mod scene;
 pub mod shared;
 pub mod tables;

@@ -4,5 +4,7 @@ pub mod device;
 pub mod kernel;
 pub mod link;
 pub mod read;
+pub mod render;
 pub mod shaders;
 pub mod upload;
+pub mod wavefront;

@@ -1,0 +1,58 @@
+// What the sentences of the path loop share: weights, roulette, and which random dimension goes where.
+
+import package::rng::{Rng, hash_combine};
+
+// Dimension 0 places the sample in its pixel; each bounce takes a block of its own, so that a draw
+// that one path skips does not shift the next bounce's draws.
+const DIMENSION_PIXEL: u32 = 0u;
+const DIMENSION_BOUNCE: u32 = 1u;
+const DIMENSIONS_PER_BOUNCE: u32 = 8u;
+const DIMENSION_LIGHT: u32 = 0u;    // choice (1d), then point (2d)
+const DIMENSION_BSDF: u32 = 2u;     // lobe (1d), then direction (2d)
+const DIMENSION_ROULETTE: u32 = 4u;
+
+// Bounces that no path is ended in by chance.
+const ROULETTE_START: u32 = 3u;
+// No path is sure to survive, so that light caught between perfect mirrors ends too.
+const ROULETTE_MAX: f32 = 0.95;
+
+// A shadow ray ends this fraction before its light, so that it does not meet the light itself.
+const SHADOW_SHORTENING: f32 = 1e-4;
+
+// Veach and Guibas 1995, "Optimally combining sampling techniques", the power heuristic, exponent 2,
+// of the technique with density `pdf` against the one with density `other`.
+fn power_heuristic(pdf: f32, other: f32) -> f32 {
+    // As a ratio, so that a density near the end of float's range does not overflow when squared.
+    if pdf == 0.0 {
+        return 0.0;
+    }
+    let ratio = other / pdf;
+    return 1.0 / (1.0 + ratio * ratio);
+}
+
+// Probability of going on with throughput `beta`. `eta_scale` takes out the factor eta^2 that
+// radiance carries inside a medium and will give back on leaving it.
+fn roulette_probability(beta: vec3<f32>, eta_scale: f32) -> f32 {
+    return min(max(beta.x, max(beta.y, beta.z)) * eta_scale, ROULETTE_MAX);
+}
+
+fn bounce_dimension(bounce: u32, draw: u32) -> u32 {
+    return DIMENSION_BOUNCE + bounce * DIMENSIONS_PER_BOUNCE + draw;
+}
+
+// The seed of the opacity decisions along one ray of a path: `ray` is 2 * bounce for the path's own
+// ray and 2 * bounce + 1 for its shadow ray.
+fn ray_alpha_seed(rng: Rng, ray: u32) -> u32 {
+    return hash_combine(hash_combine(rng.pixel_seed, rng.index), ray);
+}
+
+// False for NaN and infinities, by the exponent's bits: comparisons may be assumed away.
+fn is_finite(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+// Whether a direction is on the same side of the shading surface (`wi`, local frame) and of the
+// geometric one: if not, light would leak through, and the direction carries nothing.
+fn sides_agree(wi: vec3<f32>, wi_dot_ng: f32) -> bool {
+    return wi.z * wi_dot_ng > 0.0;
+}

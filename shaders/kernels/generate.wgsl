@@ -1,0 +1,28 @@
+// "For every sample of every pixel, a ray through the film": fills the slots of a tile's samples.
+
+import package::bindings::{frame};
+import package::kernels::state::{Path, store_path, paths, plane, PLANE_RADIANCE, PLANE_QUEUES, WORKGROUP};
+import package::kernels::slots::{slot_pixel};
+import package::estimator::{DIMENSION_PIXEL};
+import package::rng::{rng_init, next_2d};
+import package::sample::{sample_blackman_harris};
+import package::camera::{camera_ray};
+
+@compute @workgroup_size(WORKGROUP)
+fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = id.x;
+    if slot >= frame.capacity {
+        return;
+    }
+    let place = slot_pixel(slot);
+    let pixel = frame.tile_origin + place.xy;
+    var rng = rng_init(pixel, frame.first_sample + place.z, frame.seed);
+    rng.dimension = DIMENSION_PIXEL;
+    let u = next_2d(&rng);
+    let position = vec2<f32>(pixel) + 0.5
+        + vec2(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
+    let ray = camera_ray(frame.camera, frame.film_size, position);
+    store_path(slot, Path(ray, 0u, 1.0, true, vec3(1.0), 1.0, rng));
+    paths[plane(PLANE_RADIANCE, slot)] = bitcast<vec4<u32>>(vec4(0.0, 0.0, 0.0, 1.0));
+    paths[plane(PLANE_QUEUES, slot)].x = slot;
+}

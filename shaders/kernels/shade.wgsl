@@ -1,0 +1,117 @@
+// The middle of the path loop, for one bounce of one path in the queue: what the ray met is known;
+// add what it emits, choose a light and leave a shadow ray to it, choose where the path goes on, and
+// queue it unless it ends here. Sentence by sentence the loop of src/cpu/path.rs.
+
+import package::bindings::{frame, materials};
+import package::shared::{NONE, BSDF_UNLIT, BACKGROUND_COLOR, BACKGROUND_TRANSPARENT};
+import package::kernels::state::{Path, load_path, load_hit, store_path, queue_path, queue_shadow_ray, add_radiance, queued_path, paths, plane, PLANE_RADIANCE, RAY_INFINITY, WORKGROUP};
+import package::math::{to_local, to_world};
+import package::ray::{Ray, Hit, offset_origin};
+import package::rng::{next_1d, next_2d};
+import package::surface::{Surface, surface_at};
+import package::material::{bsdf_at, Le_surface};
+import package::light::light::{LightSample, light_sample, light_pdf_triangle, light_pdf_environment};
+import package::light::environment::{Le_environment};
+import package::bsdf::bsdf::{bsdf_eval, bsdf_sample, bsdf_is_delta};
+import package::estimator::{power_heuristic, roulette_probability, bounce_dimension, sides_agree, DIMENSION_LIGHT, DIMENSION_BSDF, DIMENSION_ROULETTE, ROULETTE_START, SHADOW_SHORTENING};
+
+@compute @workgroup_size(WORKGROUP)
+fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = queued_path(id.x);
+    if slot == NONE {
+        return;
+    }
+    var path = load_path(slot);
+    let hit = load_hit(slot);
+    if hit.instance == NONE {
+        shade_miss(slot, path);
+        return;
+    }
+    let surface = surface_at(path.ray, hit);
+    let material = materials[surface.material];
+
+    let Le = Le_surface(material, surface);
+    if any(Le > vec3(0.0)) {
+        var weight = 1.0;
+        if !path.delta {
+            let cos_light = abs(dot(surface.ng, path.ray.direction));
+            weight = power_heuristic(
+                path.pdf_bsdf, light_pdf_triangle(material.emission_weight, hit.t, cos_light));
+        }
+        add_radiance(slot, path.beta * Le * weight);
+    }
+    if path.bounce >= frame.max_depth || material.model == BSDF_UNLIT {
+        return;
+    }
+
+    let bsdf = bsdf_at(material, surface);
+    let wo = to_local(surface.basis, -path.ray.direction);
+    if frame.light_weight_total > 0.0 && !bsdf_is_delta(bsdf) {
+        path.rng.dimension = bounce_dimension(path.bounce, DIMENSION_LIGHT);
+        let u_pick = next_1d(&path.rng);
+        let light = light_sample(surface.p, u_pick, next_2d(&path.rng));
+        let wi = to_local(surface.basis, light.wi);
+        if light.pdf > 0.0 && sides_agree(wi, dot(light.wi, surface.ng)) {
+            let eval = bsdf_eval(bsdf, wo, wi);
+            let weight = select(power_heuristic(light.pdf, eval.pdf), 1.0, light.delta != 0u);
+            let L = path.beta * eval.f * abs(wi.z) * light.Le * (weight / light.pdf);
+            if any(L > vec3(0.0)) {
+                let origin = offset_origin(surface.p, surface.ng, light.wi, frame.ray_offset_floor);
+                let t_max = light.distance * (1.0 - SHADOW_SHORTENING);
+                queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max), L);
+            }
+        }
+    }
+
+    path.rng.dimension = bounce_dimension(path.bounce, DIMENSION_BSDF);
+    let u_lobe = next_1d(&path.rng);
+    let sample = bsdf_sample(bsdf, wo, vec3(u_lobe, next_2d(&path.rng)));
+    let wi = to_world(surface.basis, sample.wi);
+    if sample.pdf == 0.0 || !sides_agree(sample.wi, dot(wi, surface.ng)) {
+        return;
+    }
+    path.beta *= sample.f * (abs(sample.wi.z) / sample.pdf);
+    if sample.wi.z < 0.0 {
+        path.eta_scale *= bsdf.eta.x * bsdf.eta.x;
+    }
+    if path.bounce >= ROULETTE_START {
+        path.rng.dimension = bounce_dimension(path.bounce, DIMENSION_ROULETTE);
+        let survival = roulette_probability(path.beta, path.eta_scale);
+        if next_1d(&path.rng) >= survival {
+            return;
+        }
+        path.beta /= survival;
+    }
+    if !any(path.beta > vec3(0.0)) {
+        return;
+    }
+    path.pdf_bsdf = sample.pdf;
+    path.delta = sample.delta != 0u;
+    let origin = offset_origin(surface.p, surface.ng, wi, frame.ray_offset_floor);
+    path.ray = Ray(origin, 0.0, wi, RAY_INFINITY);
+    path.bounce += 1u;
+    store_path(slot, path);
+    queue_path(slot);
+}
+
+// The ray left the scene: the background for a camera ray, the environment as a light for others.
+fn shade_miss(slot: u32, path: Path) {
+    if path.bounce == 0u {
+        var L = vec4(0.0, 0.0, 0.0, 1.0);
+        if frame.background_kind == BACKGROUND_TRANSPARENT {
+            L.w = 0.0;
+        } else if frame.background_kind == BACKGROUND_COLOR {
+            L = vec4(frame.background, 1.0);
+        } else {
+            L = vec4(Le_environment(path.ray.direction), 1.0);
+        }
+        paths[plane(PLANE_RADIANCE, slot)] = bitcast<vec4<u32>>(L);
+        return;
+    }
+    let Le = Le_environment(path.ray.direction);
+    var weight = 1.0;
+    if !path.delta {
+        weight = power_heuristic(path.pdf_bsdf, light_pdf_environment(path.ray.direction));
+    }
+    add_radiance(slot, path.beta * Le * weight);
+}

@@ -1,0 +1,125 @@
+// The state of the paths in flight, and the queues between the kernels.
+//
+// `paths` holds planes of vec4<u32>, PLANES of them, each with one entry a slot: wide loads for a
+// software adapter, neighbouring ones for a GPU. A slot keeps its path from generate to accumulate;
+// queues hold slots, so the order in which invocations append to them changes no result.
+
+import package::bindings::{frame};
+import package::ray::{Ray, Hit};
+import package::shared::{NONE};
+import package::rng::{Rng};
+
+const PLANE_RAY_ORIGIN: u32 = 0u;     // origin, bounce
+const PLANE_RAY_DIRECTION: u32 = 1u;  // direction, pdf of the last BSDF sample (negative: delta)
+const PLANE_BETA: u32 = 2u;           // throughput, eta scale
+const PLANE_RADIANCE: u32 = 3u;       // L so far, alpha
+const PLANE_HIT: u32 = 4u;            // t, u, v, instance
+const PLANE_RNG: u32 = 5u;            // hit triangle, pixel seed, sample index, t_min
+const PLANE_SHADOW_ORIGIN: u32 = 6u;  // origin, t_max
+const PLANE_SHADOW_DIRECTION: u32 = 7u; // direction, bounce
+const PLANE_SHADOW_LIGHT: u32 = 8u;   // what arrives if nothing is in the way
+const PLANE_QUEUES: u32 = 9u;         // x, y: paths to go on with, in turn; z: shadow rays
+const PLANES: u32 = 10u;
+
+const COUNTER_PATHS: u32 = 0u;        // and 1: length of queue x and of queue y
+const COUNTER_SHADOW: u32 = 2u;
+const COUNTER_TURN: u32 = 3u;         // which of the two queues is read in this bounce
+const COUNTER_CLOSEST_RAYS: u32 = 4u; // traced since the last clearing
+const COUNTER_SHADOW_RAYS: u32 = 5u;
+const COUNTERS: u32 = 8u;
+
+const WORKGROUP: u32 = 64u;
+const RAY_INFINITY: f32 = 3.4028234e38;
+
+@group(1) @binding(0) var<storage, read_write> paths: array<vec4<u32>>;
+@group(1) @binding(1) var<storage, read_write> counters: array<atomic<u32>>;
+
+struct Path {
+    ray: Ray,
+    bounce: u32,
+    pdf_bsdf: f32,
+    delta: bool,
+    beta: vec3<f32>,
+    eta_scale: f32,
+    rng: Rng,
+}
+
+fn plane(which: u32, slot: u32) -> u32 {
+    return which * frame.capacity + slot;
+}
+
+fn load_ray(slot: u32) -> Ray {
+    let origin = paths[plane(PLANE_RAY_ORIGIN, slot)];
+    let direction = paths[plane(PLANE_RAY_DIRECTION, slot)];
+    let t_min = bitcast<f32>(paths[plane(PLANE_RNG, slot)].w);
+    return Ray(bitcast<vec3<f32>>(origin.xyz), t_min, bitcast<vec3<f32>>(direction.xyz), RAY_INFINITY);
+}
+
+fn load_path(slot: u32) -> Path {
+    let origin = paths[plane(PLANE_RAY_ORIGIN, slot)];
+    let direction = paths[plane(PLANE_RAY_DIRECTION, slot)];
+    let beta = bitcast<vec4<f32>>(paths[plane(PLANE_BETA, slot)]);
+    let rng = paths[plane(PLANE_RNG, slot)];
+    let pdf = bitcast<f32>(direction.w);
+    return Path(
+        Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(rng.w), bitcast<vec3<f32>>(direction.xyz), RAY_INFINITY),
+        origin.w, abs(pdf), pdf < 0.0, beta.xyz, beta.w, Rng(rng.y, rng.z, 0u),
+    );
+}
+
+fn store_path(slot: u32, path: Path) {
+    let pdf = select(path.pdf_bsdf, -path.pdf_bsdf, path.delta);
+    paths[plane(PLANE_RAY_ORIGIN, slot)] = vec4(bitcast<vec3<u32>>(path.ray.origin), path.bounce);
+    paths[plane(PLANE_RAY_DIRECTION, slot)] =
+        vec4(bitcast<vec3<u32>>(path.ray.direction), bitcast<u32>(pdf));
+    paths[plane(PLANE_BETA, slot)] = bitcast<vec4<u32>>(vec4(path.beta, path.eta_scale));
+    paths[plane(PLANE_RNG, slot)] =
+        vec4(0u, path.rng.pixel_seed, path.rng.index, bitcast<u32>(path.ray.t_min));
+}
+
+fn load_hit(slot: u32) -> Hit {
+    let hit = paths[plane(PLANE_HIT, slot)];
+    let t_u_v = bitcast<vec3<f32>>(hit.xyz);
+    return Hit(t_u_v.x, t_u_v.y, t_u_v.z, hit.w, paths[plane(PLANE_RNG, slot)].x);
+}
+
+fn store_hit(slot: u32, hit: Hit) {
+    paths[plane(PLANE_HIT, slot)] = vec4(bitcast<vec3<u32>>(vec3(hit.t, hit.u, hit.v)), hit.instance);
+    paths[plane(PLANE_RNG, slot)].x = hit.triangle;
+}
+
+// Adds to the path's radiance. One invocation at a time has a path, so no atomics are needed and the
+// order of a path's additions is the order of its bounces.
+fn add_radiance(slot: u32, L: vec3<f32>) {
+    let at = plane(PLANE_RADIANCE, slot);
+    let before = bitcast<vec4<f32>>(paths[at]);
+    paths[at] = bitcast<vec4<u32>>(vec4(before.xyz + L, before.w));
+}
+
+// The slot at a place of the queue that this bounce reads; NONE past its end.
+fn queued_path(place: u32) -> u32 {
+    let turn = atomicLoad(&counters[COUNTER_TURN]);
+    if place >= atomicLoad(&counters[COUNTER_PATHS + turn]) {
+        return NONE;
+    }
+    return paths[plane(PLANE_QUEUES, place)][turn];
+}
+
+// Puts a path in the queue that the next bounce reads.
+fn queue_path(slot: u32) {
+    let turn = 1u - atomicLoad(&counters[COUNTER_TURN]);
+    let place = atomicAdd(&counters[COUNTER_PATHS + turn], 1u);
+    if turn == 0u {
+        paths[plane(PLANE_QUEUES, place)].x = slot;
+    } else {
+        paths[plane(PLANE_QUEUES, place)].y = slot;
+    }
+}
+
+fn queue_shadow_ray(slot: u32, bounce: u32, ray: Ray, light: vec3<f32>) {
+    paths[plane(PLANE_SHADOW_ORIGIN, slot)] = vec4(bitcast<vec3<u32>>(ray.origin), bitcast<u32>(ray.t_max));
+    paths[plane(PLANE_SHADOW_DIRECTION, slot)] = vec4(bitcast<vec3<u32>>(ray.direction), bounce);
+    paths[plane(PLANE_SHADOW_LIGHT, slot)] = vec4(bitcast<vec3<u32>>(light), 0u);
+    let place = atomicAdd(&counters[COUNTER_SHADOW], 1u);
+    paths[plane(PLANE_QUEUES, place)].z = slot;
+}

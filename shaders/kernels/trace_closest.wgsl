@@ -1,0 +1,19 @@
+// "What does the ray meet first?": one invocation a path in the queue; rays in, hits out.
+
+import package::kernels::state::{load_ray, store_hit, queued_path, counters, paths, plane, PLANE_RNG, PLANE_RAY_ORIGIN, WORKGROUP};
+import package::shared::{NONE};
+import package::bvh::{trace_closest};
+import package::estimator::{ray_alpha_seed};
+import package::rng::{Rng};
+
+@compute @workgroup_size(WORKGROUP)
+fn trace_closest_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = queued_path(id.x);
+    if slot == NONE {
+        return;
+    }
+    let rng = paths[plane(PLANE_RNG, slot)];
+    let bounce = paths[plane(PLANE_RAY_ORIGIN, slot)].w;
+    let seed = ray_alpha_seed(Rng(rng.y, rng.z, 0u), 2u * bounce);
+    store_hit(slot, trace_closest(load_ray(slot), seed));
+}

@@ -1,0 +1,214 @@
+//! The estimator: one path from the camera, in one function, and the loop over pixels around it.
+//! The GPU's kernels (`shaders/kernels`) are the sentences of `Li` taken apart.
+
+use super::bsdf::bsdf::{bsdf_eval, bsdf_is_delta, bsdf_sample};
+use super::bvh::{trace_any, trace_closest};
+use super::camera::camera_ray;
+use super::estimator::*;
+use super::light::environment::Le_environment;
+use super::light::light::{light_pdf_environment, light_pdf_triangle, light_sample};
+use super::material::{Le_surface, bsdf_at};
+use super::math::{to_local, to_world};
+use super::ray::{Ray, offset_origin};
+use super::rng::{Rng, next_1d, next_2d, rng_init};
+use super::sample::sample_blackman_harris;
+use super::surface::surface_at;
+use crate::film::{Film, FilmPixel};
+use crate::pack::Packed;
+use crate::render::{Progress, Settings};
+use crate::shared::{BACKGROUND_COLOR, BACKGROUND_TRANSPARENT, BSDF_UNLIT, NONE};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Radiance along a camera ray, and its alpha: one sample of the path integral (Kajiya 1986, "The
+/// rendering equation"), with next-event estimation weighted against BSDF sampling (Veach 1997).
+pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) -> (DVec3, f64) {
+    let frame = &packed.frame;
+    let mut ray = camera_ray;
+    let mut L = DVec3::ZERO;
+    let mut beta = DVec3::ONE;
+    let mut eta_scale = 1.0;
+    // The camera's ray counts as a delta sample: no light could have been chosen for it.
+    let (mut pdf_bsdf, mut delta) = (1.0, true);
+    for bounce in 0.. {
+        rays.closest += 1;
+        let hit = trace_closest(packed, &ray, ray_alpha_seed(*rng, 2 * bounce));
+        if hit.instance == NONE {
+            if bounce == 0 {
+                return background(packed, &ray);
+            }
+            let weight = match delta {
+                true => 1.0,
+                false => power_heuristic(pdf_bsdf, light_pdf_environment(packed, ray.direction)),
+            };
+            L += beta * Le_environment(packed, ray.direction) * weight;
+            break;
+        }
+        let surface = surface_at(packed, &ray, &hit);
+        let material = &packed.materials[surface.material as usize];
+
+        let Le = Le_surface(packed, material, &surface);
+        if Le.max_element() > 0.0 {
+            let cos_light = surface.ng.dot(ray.direction).abs();
+            let weight = match delta {
+                true => 1.0,
+                false => power_heuristic(
+                    pdf_bsdf,
+                    light_pdf_triangle(
+                        packed,
+                        f64::from(material.emission_weight),
+                        hit.t,
+                        cos_light,
+                    ),
+                ),
+            };
+            L += beta * Le * weight;
+        }
+        if bounce >= frame.max_depth || material.model == BSDF_UNLIT {
+            break;
+        }
+
+        let bsdf = bsdf_at(packed, material, &surface);
+        let wo = to_local(&surface.basis, -ray.direction);
+        if frame.light_weight_total > 0.0 && !bsdf_is_delta(&bsdf) {
+            rng.dimension = bounce_dimension(bounce, DIMENSION_LIGHT);
+            let u_pick = next_1d(rng);
+            let light = light_sample(packed, surface.p, u_pick, next_2d(rng));
+            let wi = to_local(&surface.basis, light.wi);
+            if light.pdf > 0.0 && sides_agree(wi, light.wi.dot(surface.ng)) {
+                let eval = bsdf_eval(&packed.tables, &bsdf, wo, wi);
+                let weight = match light.delta != 0 {
+                    true => 1.0,
+                    false => power_heuristic(light.pdf, eval.pdf),
+                };
+                let Ld = beta * eval.f * wi.z.abs() * light.Le * (weight / light.pdf);
+                let shadow = Ray {
+                    origin: offset(packed, surface.p, surface.ng, light.wi),
+                    t_min: 0.0,
+                    direction: light.wi,
+                    t_max: light.distance * (1.0 - SHADOW_SHORTENING),
+                };
+                if Ld.max_element() > 0.0 {
+                    rays.shadow += 1;
+                    if !trace_any(packed, &shadow, ray_alpha_seed(*rng, 2 * bounce + 1)) {
+                        L += Ld;
+                    }
+                }
+            }
+        }
+
+        rng.dimension = bounce_dimension(bounce, DIMENSION_BSDF);
+        let u_lobe = next_1d(rng);
+        let u = next_2d(rng);
+        let sample = bsdf_sample(&packed.tables, &bsdf, wo, DVec3::new(u_lobe, u.x, u.y));
+        let wi = to_world(&surface.basis, sample.wi);
+        if sample.pdf == 0.0 || !sides_agree(sample.wi, wi.dot(surface.ng)) {
+            break;
+        }
+        beta *= sample.f * (sample.wi.z.abs() / sample.pdf);
+        if sample.wi.z < 0.0 {
+            eta_scale *= bsdf.eta.x * bsdf.eta.x;
+        }
+        if bounce >= ROULETTE_START {
+            rng.dimension = bounce_dimension(bounce, DIMENSION_ROULETTE);
+            let survival = roulette_probability(beta, eta_scale);
+            if next_1d(rng) >= survival {
+                break;
+            }
+            beta /= survival;
+        }
+        if beta.max_element() <= 0.0 {
+            break;
+        }
+        (pdf_bsdf, delta) = (sample.pdf, sample.delta != 0);
+        ray = Ray {
+            origin: offset(packed, surface.p, surface.ng, wi),
+            t_min: 0.0,
+            direction: wi,
+            t_max: f64::INFINITY,
+        };
+    }
+    (L, 1.0)
+}
+
+/// What a camera ray that meets nothing brings home, and its alpha.
+fn background(packed: &Packed, ray: &Ray) -> (DVec3, f64) {
+    match packed.frame.background_kind {
+        BACKGROUND_TRANSPARENT => (DVec3::ZERO, 0.0),
+        BACKGROUND_COLOR => (
+            DVec3::from_array(packed.frame.background.map(f64::from)),
+            1.0,
+        ),
+        _ => (Le_environment(packed, ray.direction), 1.0),
+    }
+}
+
+fn offset(packed: &Packed, p: DVec3, ng: DVec3, w: DVec3) -> DVec3 {
+    offset_origin(p, ng, w, f64::from(packed.frame.ray_offset_floor))
+}
+
+/// Rays traced, for the record.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RayCount {
+    pub closest: u64,
+    pub shadow: u64,
+}
+
+/// One sample of a pixel: where in the pixel, which ray, what comes along it.
+pub fn pixel_sample(
+    packed: &Packed,
+    pixel: [u32; 2],
+    sample: u32,
+    rays: &mut RayCount,
+) -> (DVec3, f64) {
+    let frame = &packed.frame;
+    let mut rng = rng_init(pixel.into(), sample, frame.seed);
+    rng.dimension = DIMENSION_PIXEL;
+    let u = next_2d(&mut rng);
+    let position = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]))
+        + 0.5
+        + DVec2::new(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
+    let ray = camera_ray(&frame.camera, frame.film_size.into(), position);
+    Li(packed, ray, &mut rng, rays)
+}
+
+/// Renders the crop's pixels on the CPU, parallel over rows; `progress` is called from one of the
+/// threads at a time with the rows that are done.
+///
+/// The picture does not depend on the number of threads: a pixel's samples are added in order.
+pub fn render(
+    packed: &Packed,
+    settings: &Settings,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> (Film, RayCount) {
+    let [x0, y0, width, height] = settings.crop;
+    let mut film = Film::new(width, height);
+    let done = AtomicU64::new(0);
+    let total = u64::from(height);
+    let rows: Vec<RayCount> = film
+        .pixels
+        .par_chunks_mut(width as usize)
+        .enumerate()
+        .map(|(row, pixels): (usize, &mut [FilmPixel])| {
+            let mut rays = RayCount::default();
+            for (column, cell) in pixels.iter_mut().enumerate() {
+                let pixel = [x0 + column as u32, y0 + row as u32];
+                for sample in settings.samples.clone() {
+                    let (L, alpha) = pixel_sample(packed, pixel, sample, &mut rays);
+                    cell.add(L.to_array(), alpha);
+                }
+            }
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(Progress { done, total });
+            rays
+        })
+        .collect();
+    let rays = rows
+        .iter()
+        .fold(RayCount::default(), |sum, row| RayCount {
+            closest: sum.closest + row.closest,
+            shadow: sum.shadow + row.shadow,
+        });
+    (film, rays)
+}

@@ -1,0 +1,181 @@
+//! The wavefront's kernels and buffers, and one dispatch of the whole loop over a tile's samples.
+
+use super::device::{Fault, Gpu};
+use super::kernel::{Kernel, KernelError};
+use super::link::link;
+use super::read::read;
+use super::upload::Scene;
+use crate::render::RayCount;
+use crate::shared::Frame;
+use bytemuck::{Pod, Zeroable};
+
+/// Bytes of one path's state: `PLANES` of 16 (shaders/kernels/state.wgsl).
+pub const PATH_BYTES: u64 = 160;
+/// `COUNTERS` words, of which the last two that are used count rays.
+pub const COUNTER_BYTES: u64 = 32;
+const CLOSEST_RAYS: usize = 4;
+const SHADOW_RAYS: usize = 5;
+/// Byte offset of the shadow stage's dispatch size; that of the path stages comes first.
+const SHADOW_ARGUMENTS: u64 = 16;
+pub const WORKGROUP: u32 = 64;
+
+/// Twin of `FilmCell` in shaders/kernels/accumulate.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct FilmCell {
+    pub sum: [f32; 4],
+    pub lost: [f32; 4],
+    pub squares: [f32; 3],
+    pub non_finite: u32,
+}
+
+/// A kernel bound to this wavefront's buffers.
+struct Stage {
+    kernel: Kernel,
+    groups: Vec<wgpu::BindGroup>,
+}
+
+/// Compiled kernels and their buffers; holds up to `capacity` paths at a time.
+pub struct Wavefront {
+    pub capacity: u32,
+    scene: Scene,
+    counters: wgpu::Buffer,
+    arguments: wgpu::Buffer,
+    film: wgpu::Buffer,
+    generate: Stage,
+    advance_start: Stage,
+    advance_bounce: Stage,
+    trace_closest: Stage,
+    shade: Stage,
+    advance_shadow: Stage,
+    trace_shadow: Stage,
+    accumulate: Stage,
+}
+
+impl Wavefront {
+    /// The most paths that an adapter's limits allow.
+    pub fn largest_capacity(gpu: &Gpu) -> u64 {
+        let limit = gpu
+            .limits
+            .max_storage_buffer_binding_size
+            .min(gpu.limits.max_buffer_size);
+        limit / PATH_BYTES
+    }
+
+    /// Compiles the kernels and makes room for `capacity` paths and a tile of `tile_pixels`.
+    pub fn new(
+        gpu: &Gpu,
+        scene: Scene,
+        capacity: u32,
+        tile_pixels: u32,
+    ) -> Result<Self, KernelError> {
+        let storage = |label: &str, bytes: u64, more: wgpu::BufferUsages| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | more,
+                mapped_at_creation: false,
+            })
+        };
+        let paths = storage(
+            "paths",
+            u64::from(capacity) * PATH_BYTES,
+            wgpu::BufferUsages::empty(),
+        );
+        let counters = storage("counters", COUNTER_BYTES, wgpu::BufferUsages::COPY_SRC);
+        let arguments = storage(
+            "arguments",
+            2 * SHADOW_ARGUMENTS,
+            wgpu::BufferUsages::INDIRECT,
+        );
+        let film = storage(
+            "film",
+            u64::from(tile_pixels) * size_of::<FilmCell>() as u64,
+            wgpu::BufferUsages::COPY_SRC,
+        );
+        let stage = |module: &str, entry: &str, third: &wgpu::Buffer| {
+            let kernel = Kernel::new(gpu, &link(&format!("kernels/{module}"))?, entry)?;
+            let groups = kernel.bind(gpu, |group, binding| match (group, binding) {
+                (0, _) => scene.resource(binding),
+                (_, 0) => paths.as_entire_binding(),
+                (_, 1) => counters.as_entire_binding(),
+                _ => third.as_entire_binding(),
+            });
+            Ok::<_, KernelError>(Stage { kernel, groups })
+        };
+        Ok(Self {
+            generate: stage("generate", "generate", &film)?,
+            advance_start: stage("advance", "advance_start", &arguments)?,
+            advance_bounce: stage("advance", "advance_bounce", &arguments)?,
+            trace_closest: stage("trace_closest", "trace_closest_kernel", &film)?,
+            shade: stage("shade", "shade_kernel", &film)?,
+            advance_shadow: stage("advance", "advance_shadow", &arguments)?,
+            trace_shadow: stage("trace_shadow", "trace_shadow_kernel", &film)?,
+            accumulate: stage("accumulate", "accumulate_kernel", &film)?,
+            capacity,
+            scene,
+            counters,
+            arguments,
+            film,
+        })
+    }
+
+    /// Renders `frame`'s samples of `frame`'s tile and adds them to the film, which is cleared first
+    /// if `first`. Waits for the device.
+    ///
+    /// All bounces go in one submission: the sizes of later dispatches are computed on the device.
+    pub fn run(&self, gpu: &Gpu, frame: &Frame, first: bool) -> Result<RayCount, Fault> {
+        gpu.queue
+            .write_buffer(&self.scene.frame, 0, bytemuck::bytes_of(frame));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.counters, 0, None);
+        if first {
+            encoder.clear_buffer(&self.film, 0, None);
+        }
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            let tile_pixels = frame.tile_size[0] * frame.tile_size[1];
+            dispatch(&mut pass, &self.generate, frame.capacity);
+            dispatch(&mut pass, &self.advance_start, 1);
+            // One round more than there are interactions: the last only adds what is emitted.
+            for _ in 0..=frame.max_depth {
+                dispatch(&mut pass, &self.advance_bounce, 1);
+                self.dispatch_queue(&mut pass, &self.trace_closest, 0);
+                self.dispatch_queue(&mut pass, &self.shade, 0);
+                dispatch(&mut pass, &self.advance_shadow, 1);
+                self.dispatch_queue(&mut pass, &self.trace_shadow, SHADOW_ARGUMENTS);
+            }
+            dispatch(&mut pass, &self.accumulate, tile_pixels);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        let counters = read(gpu, &self.counters, COUNTER_BYTES)?;
+        let counters: &[u32] = bytemuck::cast_slice(&counters);
+        Ok(RayCount {
+            closest: u64::from(counters[CLOSEST_RAYS]),
+            shadow: u64::from(counters[SHADOW_RAYS]),
+        })
+    }
+
+    fn dispatch_queue(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Stage, offset: u64) {
+        bind(pass, stage);
+        pass.dispatch_workgroups_indirect(&self.arguments, offset);
+    }
+
+    /// The film of the tile that was rendered last, by rows.
+    pub fn read_film(&self, gpu: &Gpu, tile_pixels: u32) -> Result<Vec<FilmCell>, Fault> {
+        let bytes = u64::from(tile_pixels) * size_of::<FilmCell>() as u64;
+        Ok(bytemuck::pod_collect_to_vec(&read(gpu, &self.film, bytes)?))
+    }
+}
+
+fn bind(pass: &mut wgpu::ComputePass<'_>, stage: &Stage) {
+    pass.set_pipeline(&stage.kernel.pipeline);
+    for (index, group) in stage.groups.iter().enumerate() {
+        pass.set_bind_group(index as u32, group, &[]);
+    }
+}
+
+fn dispatch(pass: &mut wgpu::ComputePass<'_>, stage: &Stage, invocations: u32) {
+    bind(pass, stage);
+    pass.dispatch_workgroups(invocations.div_ceil(WORKGROUP), 1, 1);
+}
