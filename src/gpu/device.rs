@@ -10,7 +10,9 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     pub info: wgpu::AdapterInfo,
     pub limits: wgpu::Limits,
-    fault: Arc<Mutex<Option<Fault>>>,
+    /// What `open` was asked for, to open it again.
+    wanted: Option<String>,
+    faults: Arc<Mutex<Vec<Fault>>>,
 }
 
 /// What went wrong on the device since it was opened.
@@ -143,45 +145,54 @@ pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
         fault: error.to_string(),
     })?;
 
-    let fault = Arc::new(Mutex::new(None));
-    let keep = |fault: &Arc<Mutex<Option<Fault>>>| {
-        let fault = Arc::clone(fault);
+    let faults = Arc::new(Mutex::new(Vec::new()));
+    let keep = |faults: &Arc<Mutex<Vec<Fault>>>| {
+        let faults = Arc::clone(faults);
         move |seen: Fault| {
-            // The first fault is the cause; what follows are its consequences.
-            fault
+            faults
                 .lock()
                 .unwrap_or_else(|poisoned| poisoned.into_inner())
-                .get_or_insert(seen);
+                .push(seen);
         }
     };
-    let keep_error = keep(&fault);
+    let keep_error = keep(&faults);
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
         keep_error(match error {
             wgpu::Error::OutOfMemory { .. } => Fault::OutOfMemory(error.to_string()),
             other => Fault::Other(other.to_string()),
         });
     }));
-    let keep_loss = keep(&fault);
-    device.set_device_lost_callback(move |reason, message| {
-        if reason != wgpu::DeviceLostReason::Destroyed {
-            keep_loss(Fault::Lost(message));
-        }
-    });
+    let keep_loss = keep(&faults);
+    device.set_device_lost_callback(move |_reason, message| keep_loss(Fault::Lost(message)));
     Ok(Gpu {
         device,
         queue,
         info,
         limits,
-        fault,
+        wanted: wanted.map(str::to_owned),
+        faults,
     })
 }
 
 impl Gpu {
-    /// The first fault seen, if any; taken, so that a caller who recovers starts clean.
+    /// What went wrong since this was asked last: the loss of the device if it was lost (other errors
+    /// are then its consequences), else the first error.
     pub fn take_fault(&self) -> Option<Fault> {
-        self.fault
-            .lock()
-            .unwrap_or_else(|poisoned| poisoned.into_inner())
-            .take()
+        let faults = std::mem::take(
+            &mut *self
+                .faults
+                .lock()
+                .unwrap_or_else(|poisoned| poisoned.into_inner()),
+        );
+        let lost = faults
+            .iter()
+            .position(|fault| matches!(fault, Fault::Lost(_)));
+        faults.into_iter().nth(lost.unwrap_or(0))
+    }
+
+    /// Opens the adapter anew, as after the loss of the device.
+    pub fn reopen(&mut self) -> Result<(), DeviceError> {
+        *self = open(self.wanted.as_deref())?;
+        Ok(())
     }
 }

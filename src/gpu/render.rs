@@ -8,6 +8,7 @@ use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
 use crate::render::{Progress, RayCount, Settings};
 use crate::shared::Frame;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -63,78 +64,163 @@ impl From<Fault> for RenderError {
 /// Renders the crop; `progress` counts pixel samples.
 ///
 /// The picture does not depend on how samples fall into dispatches, which follows measured times:
-/// each pixel's samples are added one after another in the order of their numbers.
+/// each pixel's samples are added one after another in the order of their numbers. A device that is
+/// lost is opened again once for each tile, and the tile rendered anew.
 pub fn render(
-    gpu: &Gpu,
+    gpu: &mut Gpu,
     packed: &Packed,
     settings: &Settings,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Film, Statistics), RenderError> {
+    render_in_batches(gpu, packed, settings, FIRST_PATHS..MOST_PATHS, progress)
+}
+
+/// `render` with the number of paths of the first dispatch, and the most of any.
+pub fn render_in_batches(
+    gpu: &mut Gpu,
+    packed: &Packed,
+    settings: &Settings,
+    paths: Range<u32>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Film, Statistics), RenderError> {
     let mut statistics = Statistics::default();
+    let wavefront = prepare(gpu, packed, settings, paths.end, &mut statistics)?;
     let start = Instant::now();
-    let scene = Scene::upload(gpu, packed)?;
-    statistics.upload = start.elapsed();
-
-    let start = Instant::now();
-    let [x0, y0, width, height] = settings.crop;
-    let most = u64::from(MOST_PATHS).min(Wavefront::largest_capacity(gpu)) as u32;
-    let wanted = u64::from(width.min(TILE) * height.min(TILE))
-        * u64::from(settings.samples.end - settings.samples.start);
-    // At least one sample of a whole tile.
-    let capacity = (wanted.min(u64::from(most)) as u32).max(width.min(TILE) * height.min(TILE));
-    let wavefront = Wavefront::new(gpu, scene, capacity, TILE * TILE)?;
-    gpu.take_fault()
-        .map_or(Ok(()), |fault| Err(RenderError::from(fault)))?;
-    statistics.compile = start.elapsed();
-
-    let start = Instant::now();
+    let [_, _, width, height] = settings.crop;
+    let samples = settings.samples.len() as u32;
     let mut film = Film::new(width, height);
-    let total = u64::from(width)
-        * u64::from(height)
-        * u64::from(settings.samples.end - settings.samples.start);
-    let mut done = 0;
-    let mut paths = FIRST_PATHS;
-    for tile_y in (0..height).step_by(TILE as usize) {
-        for tile_x in (0..width).step_by(TILE as usize) {
-            let tile_size = [TILE.min(width - tile_x), TILE.min(height - tile_y)];
-            let pixels = tile_size[0] * tile_size[1];
-            let mut sample = settings.samples.start;
-            while sample < settings.samples.end {
-                let sample_count = (paths.min(wavefront.capacity) / pixels)
-                    .clamp(1, settings.samples.end - sample);
-                let frame = Frame {
-                    tile_origin: [x0 + tile_x, y0 + tile_y],
-                    tile_size,
-                    first_sample: sample,
-                    sample_count,
-                    capacity: pixels * sample_count,
-                    ..packed.frame
-                };
-                let submitted = Instant::now();
-                let rays = wavefront.run(gpu, &frame, sample == settings.samples.start)?;
-                let elapsed = submitted.elapsed();
-                statistics.rays.closest += rays.closest;
-                statistics.rays.shadow += rays.shadow;
-                // The first one holds a software adapter's compilation and says little.
-                if statistics.submissions > 0 {
-                    statistics.longest_submission = statistics.longest_submission.max(elapsed);
-                    paths = next_paths(paths, frame.capacity, elapsed);
-                }
-                statistics.submissions += 1;
-                sample += sample_count;
-                done += u64::from(pixels) * u64::from(sample_count);
-                progress(Progress { done, total });
-            }
-            let samples = settings.samples.end - settings.samples.start;
-            for (index, cell) in wavefront.read_film(gpu, pixels)?.iter().enumerate() {
-                let index = index as u32;
-                let (x, y) = (index % tile_size[0], index / tile_size[0]);
-                *film.pixel_mut(tile_x + x, tile_y + y) = film_pixel(cell, samples);
+    let mut work = Work {
+        gpu,
+        wavefront,
+        packed,
+        settings,
+        paths: paths.start,
+        most_paths: paths.end,
+        done: 0,
+        total: u64::from(width) * u64::from(height) * u64::from(samples),
+        statistics,
+        progress,
+    };
+    for y in (0..height).step_by(TILE as usize) {
+        for x in (0..width).step_by(TILE as usize) {
+            let tile = [x, y, TILE.min(width - x), TILE.min(height - y)];
+            for (index, cell) in (0..).zip(&work.tile_or_again(tile)?) {
+                let (column, row) = (index % tile[2], index / tile[2]);
+                *film.pixel_mut(x + column, y + row) = film_pixel(cell, samples);
             }
         }
     }
+    let mut statistics = work.statistics;
     statistics.render = start.elapsed();
     Ok((film, statistics))
+}
+
+/// Uploads the scene and compiles the kernels.
+fn prepare(
+    gpu: &Gpu,
+    packed: &Packed,
+    settings: &Settings,
+    most_paths: u32,
+    statistics: &mut Statistics,
+) -> Result<Wavefront, RenderError> {
+    let start = Instant::now();
+    let scene = Scene::upload(gpu, packed)?;
+    statistics.upload += start.elapsed();
+    let start = Instant::now();
+    let [_, _, width, height] = settings.crop;
+    let tile_pixels = u64::from(width.min(TILE)) * u64::from(height.min(TILE));
+    let most = u64::from(most_paths).min(Wavefront::largest_capacity(gpu));
+    let capacity = (tile_pixels * settings.samples.len() as u64)
+        .min(most)
+        // At least one sample of a whole tile.
+        .max(tile_pixels);
+    let wavefront = Wavefront::new(gpu, scene, capacity as u32, tile_pixels as u32)?;
+    if let Some(fault) = gpu.take_fault() {
+        return Err(fault.into());
+    }
+    statistics.compile += start.elapsed();
+    Ok(wavefront)
+}
+
+/// A render under way.
+struct Work<'a> {
+    gpu: &'a mut Gpu,
+    wavefront: Wavefront,
+    packed: &'a Packed,
+    settings: &'a Settings,
+    /// How many the next dispatch gets.
+    paths: u32,
+    most_paths: u32,
+    /// Pixel samples.
+    done: u64,
+    total: u64,
+    statistics: Statistics,
+    progress: &'a mut dyn FnMut(Progress),
+}
+
+impl Work<'_> {
+    /// All samples of a tile; if the device is lost on the way, once more on a new one.
+    fn tile_or_again(&mut self, tile: [u32; 4]) -> Result<Vec<FilmCell>, RenderError> {
+        let done = self.done;
+        match self.tile(tile) {
+            Err(Fault::Lost(message)) => {
+                log::warn!("the device was lost ({message}); opening it again");
+                self.gpu.reopen().map_err(|_| RenderError::Lost(message))?;
+                self.wavefront = prepare(
+                    self.gpu,
+                    self.packed,
+                    self.settings,
+                    self.most_paths,
+                    &mut self.statistics,
+                )?;
+                self.done = done;
+                Ok(self.tile(tile)?)
+            }
+            other => Ok(other?),
+        }
+    }
+
+    /// All samples of a tile: x, y, width, height in the crop.
+    fn tile(&mut self, [x, y, width, height]: [u32; 4]) -> Result<Vec<FilmCell>, Fault> {
+        let pixels = width * height;
+        let mut sample = self.settings.samples.start;
+        while sample < self.settings.samples.end {
+            let sample_count = (self.paths.min(self.wavefront.capacity) / pixels)
+                .clamp(1, self.settings.samples.end - sample);
+            let frame = Frame {
+                tile_origin: [self.settings.crop[0] + x, self.settings.crop[1] + y],
+                tile_size: [width, height],
+                first_sample: sample,
+                sample_count,
+                capacity: pixels * sample_count,
+                ..self.packed.frame
+            };
+            let start = Instant::now();
+            let first = sample == self.settings.samples.start;
+            let rays = self.wavefront.run(self.gpu, &frame, first)?;
+            self.count(rays, frame.capacity, start.elapsed());
+            sample += sample_count;
+            self.done += u64::from(frame.capacity);
+            (self.progress)(Progress {
+                done: self.done,
+                total: self.total,
+            });
+        }
+        self.wavefront.read_film(self.gpu, pixels)
+    }
+
+    /// Takes down what a submission did, and sizes the next by it.
+    fn count(&mut self, rays: RayCount, paths: u32, elapsed: Duration) {
+        let statistics = &mut self.statistics;
+        statistics.rays.closest += rays.closest;
+        statistics.rays.shadow += rays.shadow;
+        // The first one holds a software adapter's compilation and says little.
+        if statistics.submissions > 0 {
+            statistics.longest_submission = statistics.longest_submission.max(elapsed);
+            self.paths = next_paths(self.paths, paths, elapsed).min(self.most_paths);
+        }
+        statistics.submissions += 1;
+    }
 }
 
 /// How many paths the next dispatch may have, when one with `ran` of them took `elapsed`.
@@ -142,7 +228,7 @@ fn next_paths(paths: u32, ran: u32, elapsed: Duration) -> u32 {
     if elapsed > LONG {
         (ran / 2).max(1)
     } else if elapsed < SHORT && ran >= paths / 2 {
-        paths.saturating_mul(2).min(MOST_PATHS)
+        paths.saturating_mul(2)
     } else {
         paths
     }
