@@ -23,7 +23,8 @@ pub fn furnace() -> String {
 pub const WHITE_FURNACE_RADIANCE: f64 = 0.5;
 
 /// What loses nothing cannot be seen in a room of uniform radiance; what can be seen loses light.
-/// In the upper row nothing may show; the lower row are single-scattering facets of growing roughness.
+/// In the upper row nothing may show; the lower row are single-scattering facets of growing roughness,
+/// in a room of its own, so that their loss does not dim the upper one.
 pub fn white_furnace() -> String {
     let white = [1.0; 3];
     let facets = |alpha: f64| {
@@ -56,7 +57,9 @@ pub fn white_furnace() -> String {
     ];
     let mut document = Document::default();
     let room = document.emitter("room", [WHITE_FURNACE_RADIANCE; 3]);
-    document.add("room", &block([-8.0; 3], [8.0; 3]).inside_out(), room);
+    let mut rooms = block([-8.0, 0.0, -8.0], [8.0, 16.0, 8.0]).inside_out();
+    rooms.append(&block([-8.0, -16.0, -8.0], [8.0, 0.0, 8.0]).inside_out());
+    document.add("rooms", &rooms, room);
     let shape = document.shape(&faceted_sphere(48, 24));
     for (row, models) in rows.into_iter().enumerate() {
         for (column, (name, model)) in models.into_iter().enumerate() {

@@ -31,9 +31,9 @@ pub fn bands() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// Gold near 650, 550 and 450 nm.
-pub const GOLD_ETA: [f64; 3] = [0.16, 0.43, 1.38];
-pub const GOLD_K: [f64; 3] = [3.34, 2.46, 1.91];
+/// Gold (Johnson and Christy 1972, "Optical constants of the noble metals").
+pub const GOLD_ETA: [f64; 3] = [0.188, 0.544, 1.332];
+pub const GOLD_K: [f64; 3] = [3.403, 2.231, 1.869];
 pub const ABSORBER_ETA: [f64; 3] = [1.5, 1.5, 1.5];
 pub const ABSORBER_K: [f64; 3] = [0.0, 0.5, 1.5];
 
