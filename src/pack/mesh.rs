@@ -1,0 +1,114 @@
+//! A mesh to triangles in the order of its hierarchy's leaves, and to words of vertex attributes.
+
+use super::PackError;
+use super::texture::textures_of;
+use crate::bvh::{self, Bounds, Hierarchy};
+use crate::scene::{self, Mesh, Model, Primitive};
+use crate::shared::{LAYOUT_COLOR, LAYOUT_TANGENT, LAYOUT_TEXCOORDS_SHIFT, Triangle};
+use glam::Vec3A;
+
+/// Coordinates whose boxes' areas are still finite numbers, with room for the sums of the build.
+pub const MAX_COORDINATE: f32 = 1e15;
+
+/// One mesh by itself: node indices, leaf positions and vertex words count from its own first.
+#[derive(Clone, Debug)]
+pub struct PackedMesh {
+    pub hierarchy: Hierarchy,
+    pub triangles: Vec<Triangle>,
+    pub vertices: Vec<f32>,
+    pub bounds: Bounds,
+}
+
+/// `None` for a mesh without triangles.
+pub fn pack_mesh(
+    mesh: &Mesh,
+    materials: &[scene::Material],
+) -> Result<Option<PackedMesh>, PackError> {
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    let mut boxes = Vec::new();
+    for (number, primitive) in mesh.primitives.iter().enumerate() {
+        let layout = Layout::of(primitive, &materials[primitive.material]);
+        let first_word = super::index("vertex attributes", vertices.len())?;
+        layout.write(primitive, &mut vertices);
+        super::index("vertex attributes", vertices.len())?;
+        for corners in &primitive.triangles {
+            let [p0, p1, p2] = corners.map(|corner| primitive.positions[corner as usize]);
+            let vertex = corners.map(|corner| first_word + corner * layout.words() as u32);
+            triangles.push(Triangle {
+                p0: p0.to_array(),
+                vertex0: vertex[0],
+                e1: (p1 - p0).to_array(),
+                vertex1: vertex[1],
+                e2: (p2 - p0).to_array(),
+                vertex2: vertex[2],
+                material: primitive.material as u32,
+                vertex_layout: layout.flags(),
+                primitive: number as u32,
+                reserved: 0,
+            });
+            boxes.push(Bounds::of_points([p0, p1, p2].map(Vec3A::from)));
+        }
+    }
+    let bounds = boxes
+        .iter()
+        .fold(Bounds::EMPTY, |all, &one| all.union(one));
+    super::check_extent(bounds, || format!("mesh \"{}\"", mesh.name))?;
+    Ok(bvh::build(&boxes).map(|hierarchy| PackedMesh {
+        triangles: hierarchy
+            .order
+            .iter()
+            .map(|&index| triangles[index as usize])
+            .collect(),
+        hierarchy,
+        vertices,
+        bounds,
+    }))
+}
+
+/// Which attributes the vertices of a primitive carry: those that are there and that its material
+/// reads.
+struct Layout {
+    tangent: bool,
+    color: bool,
+    texcoords: usize,
+}
+
+impl Layout {
+    fn of(primitive: &Primitive, material: &scene::Material) -> Self {
+        // The lecture's models may have lobes that are longer in one direction.
+        let reads_tangent =
+            material.normal_texture.is_some() || matches!(material.model, Model::Bsdf { .. });
+        let sets_read = textures_of(material).map(|texture| texture.texcoord + 1);
+        Self {
+            tangent: reads_tangent && primitive.tangents.is_some(),
+            color: primitive.colors.is_some(),
+            texcoords: sets_read.max().unwrap_or(0).min(primitive.texcoords.len()),
+        }
+    }
+
+    fn words(&self) -> usize {
+        3 + 4 * usize::from(self.tangent) + 4 * usize::from(self.color) + 2 * self.texcoords
+    }
+
+    fn flags(&self) -> u32 {
+        (self.texcoords as u32) << LAYOUT_TEXCOORDS_SHIFT
+            | if self.tangent { LAYOUT_TANGENT } else { 0 }
+            | if self.color { LAYOUT_COLOR } else { 0 }
+    }
+
+    fn write(&self, primitive: &Primitive, vertices: &mut Vec<f32>) {
+        let tangents = primitive.tangents.as_ref().filter(|_| self.tangent);
+        let colors = primitive.colors.as_ref().filter(|_| self.color);
+        vertices.reserve(primitive.positions.len() * self.words());
+        for vertex in 0..primitive.positions.len() {
+            vertices.extend(primitive.normals[vertex].to_array());
+            for attribute in [tangents, colors].into_iter().flatten() {
+                vertices.extend(attribute[vertex].to_array());
+            }
+            for set in &primitive.texcoords[..self.texcoords] {
+                vertices.extend(set[vertex].to_array());
+            }
+        }
+    }
+}
