@@ -144,17 +144,18 @@ fn balance(bounds: &[Bounds]) -> Bvh2 {
             continue;
         }
         let size = around.max - around.min;
-        let axis = (0..3).fold(0, |best, axis| {
-            if size[axis] > size[best] { axis } else { best }
-        });
+        let axis = (0..3).fold(
+            0,
+            |best, axis| {
+                if size[axis] > size[best] { axis } else { best }
+            },
+        );
         let center = |member: &u32| {
             let b = &bounds[*member as usize];
             0.5 * b.min[axis] + 0.5 * b.max[axis]
         };
         let half = members.len() / 2;
-        members.select_nth_unstable_by(half, |a, b| {
-            center(a).total_cmp(&center(b)).then(a.cmp(b))
-        });
+        members.select_nth_unstable_by(half, |a, b| center(a).total_cmp(&center(b)).then(a.cmp(b)));
         let first_child = nodes.len();
         nodes.resize(first_child + 2, Bvh2Node::default());
         nodes[index] = Bvh2Node::new(around.aabb(), 0, first_child as u32);

@@ -1,3 +1,4 @@
+pub mod bvh;
 pub mod cli;
 pub mod compare;
 pub mod cpu;

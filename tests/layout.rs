@@ -211,10 +211,7 @@ fn structures_agree_field_by_field() {
                 reserved1
             }),
         ),
-        (
-            "LabAnswer",
-            host!(shared::LabAnswer { f, pdf, wi, delta }),
-        ),
+        ("LabAnswer", host!(shared::LabAnswer { f, pdf, wi, delta })),
     ];
     let defined = module
         .types

@@ -57,11 +57,7 @@ pub fn local_ray(origin: DVec3, direction: DVec3) -> LocalRay {
         c if c < 0.0 => -smallest,
         _ => smallest,
     };
-    let guarded = DVec3::new(
-        guard(direction.x),
-        guard(direction.y),
-        guard(direction.z),
-    );
+    let guarded = DVec3::new(guard(direction.x), guard(direction.y), guard(direction.z));
     let bit = |component: f64, bit: u32| if component < 0.0 { 0 } else { bit };
     LocalRay {
         origin,
@@ -108,7 +104,7 @@ pub fn intersect_children(
     let [far_x, far_y, far_z] = planes(far, far_origin);
     let enter = near_x.max(near_y).max(near_z).max(DVec4::splat(t_min));
     let leave = far_x.min(far_y).min(far_z).min(DVec4::splat(t_max));
-    let met = UVec4::select(enter.cmple(leave).into(), bits, UVec4::ZERO);
+    let met = UVec4::select(enter.cmple(leave), bits, UVec4::ZERO);
     met.x | met.y | met.z | met.w
 }
 
@@ -125,11 +121,7 @@ pub fn intersect_node(
     // Planes are corner + byte * 2^exponent; a float's exponent bits make the power of two.
     let exponents = unpack_bytes(corner[3]);
     let power = |exponent: u32| f64::from(f32::from_bits(exponent << 23));
-    let step = DVec3::new(
-        power(exponents.x),
-        power(exponents.y),
-        power(exponents.z),
-    );
+    let step = DVec3::new(power(exponents.x), power(exponents.y), power(exponents.z));
     let lower = Vec3::new(
         f32::from_bits(corner[0]),
         f32::from_bits(corner[1]),

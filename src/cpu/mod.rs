@@ -8,3 +8,5 @@
 )]
 
 pub mod attributes;
+pub mod intersect;
+pub mod ray;

@@ -14,6 +14,8 @@ macro_rules! modules {
 pub const MODULES: &[Module] = modules![
     "attributes",
     "bindings",
+    "intersect",
+    "ray",
     "shared",
 ];
 

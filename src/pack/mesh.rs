@@ -50,9 +50,7 @@ pub fn pack_mesh(
             boxes.push(Bounds::of_points([p0, p1, p2].map(Vec3A::from)));
         }
     }
-    let bounds = boxes
-        .iter()
-        .fold(Bounds::EMPTY, |all, &one| all.union(one));
+    let bounds = boxes.iter().fold(Bounds::EMPTY, |all, &one| all.union(one));
     super::check_extent(bounds, || format!("mesh \"{}\"", mesh.name))?;
     Ok(bvh::build(&boxes).map(|hierarchy| PackedMesh {
         triangles: hierarchy

@@ -195,10 +195,7 @@ struct Geometry {
 }
 
 /// Puts the meshes one after the other, behind the top-level hierarchy over their instances.
-fn assemble(
-    scene: &Scene,
-    meshes: &mut [Option<PackedMesh>],
-) -> Result<Geometry, PackError> {
+fn assemble(scene: &Scene, meshes: &mut [Option<PackedMesh>]) -> Result<Geometry, PackError> {
     let mut placed = Vec::new();
     let mut boxes = Vec::new();
     for instance in &scene.instances {
@@ -304,9 +301,8 @@ fn transform_bounds(transform: DAffine3, bounds: Bounds) -> Bounds {
         + transform.matrix3.y_axis.abs() * half.y
         + transform.matrix3.z_axis.abs() * half.z;
     let center = transform.transform_point3(center);
-    let round = |v: DVec3, to: fn(f32) -> f32| {
-        Vec3A::new(to(v.x as f32), to(v.y as f32), to(v.z as f32))
-    };
+    let round =
+        |v: DVec3, to: fn(f32) -> f32| Vec3A::new(to(v.x as f32), to(v.y as f32), to(v.z as f32));
     Bounds {
         min: round(center - reach, f32::next_down),
         max: round(center + reach, f32::next_up),

@@ -96,10 +96,9 @@ impl Textures {
 /// All textures of a material.
 pub fn textures_of(material: &scene::Material) -> impl Iterator<Item = &scene::Texture> {
     let (base_color, metallic_roughness) = match &material.model {
-        scene::Model::MetallicRoughness(m) => (
-            &m.base_color_texture,
-            m.metallic_roughness_texture.as_ref(),
-        ),
+        scene::Model::MetallicRoughness(m) => {
+            (&m.base_color_texture, m.metallic_roughness_texture.as_ref())
+        }
         scene::Model::Unlit {
             base_color_texture, ..
         }
@@ -140,7 +139,10 @@ fn encode(image: &Image, srgb: bool) -> (Vec<u32>, PlacedImage) {
                     DVec4::new(color[0], color[1], color[2], f64::from(a) / 255.0)
                 })
                 .sum();
-            let words = texels.iter().map(|&texel| u32::from_le_bytes(texel)).collect();
+            let words = texels
+                .iter()
+                .map(|&texel| u32::from_le_bytes(texel))
+                .collect();
             let format = if srgb {
                 FORMAT_RGBA8_SRGB
             } else {
