@@ -1,5 +1,6 @@
 //! Everything that can end a run, and the exit status that it ends with.
 
+use crate::gltf::GltfError;
 use crate::gpu::device::DeviceError;
 use crate::output::OutputError;
 
@@ -10,6 +11,8 @@ pub enum Error {
     Usage(String),
     #[error("cannot write to standard output: {0}")]
     Stdout(std::io::Error),
+    #[error(transparent)]
+    Gltf(#[from] GltfError),
     #[error(transparent)]
     Device(#[from] DeviceError),
     #[error(transparent)]
@@ -23,6 +26,7 @@ impl Error {
         match self {
             Error::Usage(_) => 2,
             Error::Stdout(_) => 8,
+            Error::Gltf(error) => error.exit_status(),
             Error::Device(error) => match error {
                 DeviceError::NoAdapter
                 | DeviceError::NotFound { .. }

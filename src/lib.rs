@@ -4,6 +4,7 @@ pub mod compare;
 pub mod cpu;
 pub mod error;
 pub mod film;
+pub mod gltf;
 pub mod gpu;
 pub mod output;
 pub mod pack;

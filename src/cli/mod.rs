@@ -1,6 +1,7 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
 pub mod doctor;
+pub mod info;
 
 use std::io::{self, Write};
 
@@ -26,6 +27,8 @@ pub struct Cli {
 pub enum Command {
     /// List the adapters and say what is wrong, if anything.
     Doctor(doctor::DoctorArgs),
+    /// Say what is in a glTF file, and what Snell does with each of its extensions.
+    Info(info::InfoArgs),
 }
 
 impl Cli {
@@ -33,6 +36,7 @@ impl Cli {
     pub fn run(self) -> Result<(), Error> {
         match self.command {
             Command::Doctor(args) => doctor::run(&args),
+            Command::Info(args) => info::run(&args),
         }
     }
 

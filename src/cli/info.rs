@@ -1,0 +1,216 @@
+//! `snell info`: what is in a glTF file, and what a picture will show of it.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::doctor::bytes;
+use crate::error::Error;
+use crate::gltf::{self, Counts, ExtensionUse, LoadOptions, Loaded, Treatment};
+use crate::scene::{Pixels, Projection, PunctualKind};
+
+/// Which file, and how to say it.
+#[derive(Debug, clap::Args)]
+pub struct InfoArgs {
+    /// A .gltf or .glb file.
+    pub scene: PathBuf,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+    /// A folder beside the scene's own that it may read; repeat for more.
+    #[arg(long, value_name = "FOLDER")]
+    pub allow_path: Vec<PathBuf>,
+    /// The most memory that the scene may take, in MiB.
+    #[arg(long, value_name = "MIB", default_value_t = gltf::DEFAULT_MAX_MEMORY >> 20)]
+    pub max_memory: u64,
+}
+
+/// What there is to say, as JSON has it.
+#[derive(Serialize)]
+struct Info {
+    file: PathBuf,
+    counts: Counts,
+    bounds: Option<[[f32; 3]; 2]>,
+    cameras: Vec<Named>,
+    lights: Vec<Named>,
+    materials: Vec<String>,
+    images: Vec<ImageInfo>,
+    extensions: Vec<ExtensionUse>,
+    notes: Vec<String>,
+    default_camera: bool,
+    default_light: bool,
+}
+
+#[derive(Serialize)]
+struct Named {
+    name: String,
+    kind: &'static str,
+}
+
+#[derive(Serialize)]
+struct ImageInfo {
+    name: String,
+    width: u32,
+    height: u32,
+    bits: u32,
+}
+
+/// Loads the scene and prints what is in it.
+pub fn run(args: &InfoArgs) -> Result<(), Error> {
+    let options = LoadOptions {
+        allow_paths: args.allow_path.clone(),
+        max_memory: args.max_memory.saturating_mul(1 << 20),
+        ..LoadOptions::default()
+    };
+    let loaded = gltf::load(&args.scene, &options)?;
+    let info = info(args, loaded);
+    if args.json {
+        let json = serde_json::to_string_pretty(&info).expect("an Info has string keys only");
+        super::print(&(json + "\n"))
+    } else {
+        super::print(&text(&info))
+    }
+}
+
+fn info(args: &InfoArgs, loaded: Loaded) -> Info {
+    let Loaded {
+        scene,
+        extensions,
+        notes,
+        counts,
+        default_light,
+    } = loaded;
+    let bounds = gltf::bounds(&scene);
+    Info {
+        file: args.scene.clone(),
+        counts,
+        bounds: bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
+        default_camera: scene.cameras.is_empty(),
+        default_light,
+        cameras: scene
+            .cameras
+            .into_iter()
+            .map(|camera| Named {
+                name: camera.name,
+                kind: match camera.projection {
+                    Projection::Perspective { .. } => "perspective",
+                    Projection::Orthographic { .. } => "orthographic",
+                },
+            })
+            .collect(),
+        lights: scene
+            .lights
+            .into_iter()
+            .map(|light| Named {
+                name: light.name,
+                kind: match light.kind {
+                    PunctualKind::Point => "point",
+                    PunctualKind::Spot { .. } => "spot",
+                    PunctualKind::Directional => "directional",
+                },
+            })
+            .collect(),
+        materials: scene
+            .materials
+            .into_iter()
+            .map(|material| material.name)
+            .collect(),
+        images: scene
+            .images
+            .into_iter()
+            .map(|image| ImageInfo {
+                name: image.name,
+                width: image.width,
+                height: image.height,
+                bits: match image.pixels {
+                    Pixels::Rgba8(_) => 8,
+                    Pixels::Rgba16(_) => 16,
+                },
+            })
+            .collect(),
+        extensions,
+        notes,
+    }
+}
+
+fn text(info: &Info) -> String {
+    let counts = &info.counts;
+    let mut out = format!("{}\n", info.file.display());
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        out,
+        "  drawn       {} triangles in {} instances",
+        counts.drawn_triangles, counts.drawn_instances
+    );
+    let _ = writeln!(
+        out,
+        "  in the file {} scenes, {} nodes, {} meshes with {} primitives, {} materials, \
+         {} textures, {} images, {} cameras, {} lights, {} skins, {} animations",
+        counts.scenes,
+        counts.nodes,
+        counts.meshes,
+        counts.primitives,
+        counts.materials,
+        counts.textures,
+        counts.images,
+        counts.cameras,
+        counts.lights,
+        counts.skins,
+        counts.animations,
+    );
+    let _ = writeln!(
+        out,
+        "  memory      {} at most, {} of it buffers",
+        bytes(counts.memory_bytes),
+        bytes(counts.buffer_bytes)
+    );
+    if let Some([low, high]) = info.bounds {
+        let _ = writeln!(out, "  bounds      {low:?} to {high:?} m");
+    }
+    for camera in &info.cameras {
+        let _ = writeln!(out, "  camera      {}, {}", camera.name, camera.kind);
+    }
+    if info.default_camera {
+        out.push_str("  camera      none: one is placed to frame the scene\n");
+    }
+    for light in &info.lights {
+        let _ = writeln!(out, "  light       {}, {}", light.name, light.kind);
+    }
+    if info.default_light {
+        out.push_str("  light       none: a neutral studio lights the scene, or --env does\n");
+    }
+    for image in &info.images {
+        let _ = writeln!(
+            out,
+            "  image       {}, {} x {}, {} bits",
+            image.name, image.width, image.height, image.bits
+        );
+    }
+    for extension in &info.extensions {
+        extension_line(&mut out, extension);
+    }
+    for note in &info.notes {
+        let _ = writeln!(out, "  note        {note}");
+    }
+    out
+}
+
+fn extension_line(out: &mut String, extension: &ExtensionUse) {
+    let treatment = match extension.treatment {
+        Treatment::Supported => "supported",
+        Treatment::Approximated => "approximated",
+        Treatment::Ignored => "ignored",
+    };
+    let _ = write!(out, "  extension   {}, {treatment}", extension.name);
+    if extension.required {
+        out.push_str(", required");
+    }
+    if !extension.detail.is_empty() {
+        let _ = write!(out, ": {}", extension.detail);
+    }
+    if let Some(first) = &extension.first {
+        let _ = write!(out, " ({} uses, first {first})", extension.uses);
+    }
+    out.push('\n');
+}

@@ -1,0 +1,75 @@
+//! A camera for a scene that brings none.
+
+use crate::scene::{Camera, Projection, Scene};
+use glam::{Affine3A, Mat3, Vec3};
+
+/// From the front (+z), a little to the right and a little above, so that depth can be seen and a
+/// board that faces +z can still be read. Radians.
+const AZIMUTH: f32 = 0.3;
+const ELEVATION: f32 = 0.22;
+/// Vertical angle of view, radians.
+const YFOV: f32 = std::f32::consts::FRAC_PI_4;
+/// Room around the scene, as a factor on the distance.
+const MARGIN: f32 = 1.05;
+/// The near plane, as a fraction of the distance to the scene.
+const NEAR: f32 = 1e-3;
+
+/// The smallest box around all instances, in world space; `None` for an empty scene.
+pub fn bounds(scene: &Scene) -> Option<(Vec3, Vec3)> {
+    let points = world_positions(scene);
+    points.fold(None, |bounds, p| match bounds {
+        None => Some((p, p)),
+        Some((low, high)) => Some((p.min(low), p.max(high))),
+    })
+}
+
+fn world_positions(scene: &Scene) -> impl Iterator<Item = Vec3> + '_ {
+    scene.instances.iter().flat_map(|instance| {
+        let primitives = &scene.meshes[instance.mesh].primitives;
+        primitives.iter().flat_map(|primitive| {
+            let place = |p: &Vec3| instance.world_from_object.transform_point3(*p);
+            primitive.positions.iter().map(place)
+        })
+    })
+}
+
+/// A perspective camera that sees the whole scene in a picture of the given width over height.
+pub fn default_camera(scene: &Scene, aspect: f32) -> Camera {
+    let (low, high) = bounds(scene).unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
+    let center = low.midpoint(high);
+    let back = Vec3::new(
+        AZIMUTH.sin() * ELEVATION.cos(),
+        ELEVATION.sin(),
+        AZIMUTH.cos() * ELEVATION.cos(),
+    );
+    let right = Vec3::Y.cross(back).normalize();
+    let up = back.cross(right);
+    // Half the box's corners' extents in the picture decide: each must be inside at its own depth.
+    let tan_y = (0.5 * YFOV).tan();
+    let tan_x = tan_y * aspect;
+    let mut distance = 0.0f32;
+    for corner in 0..8u32 {
+        let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
+        let p = Vec3::new(
+            pick(0, low.x, high.x),
+            pick(1, low.y, high.y),
+            pick(2, low.z, high.z),
+        ) - center;
+        let needed = (p.dot(right).abs() / tan_x).max(p.dot(up).abs() / tan_y);
+        distance = distance.max(needed + p.dot(back));
+    }
+    distance *= MARGIN;
+    if distance <= 0.0 || !distance.is_finite() {
+        distance = 1.0;
+    }
+    let matrix = Mat3::from_cols(right, up, back);
+    Camera {
+        name: "auto".to_owned(),
+        world_from_camera: Affine3A::from_mat3_translation(matrix, center + back * distance),
+        projection: Projection::Perspective {
+            yfov: YFOV,
+            aspect: None,
+            near: NEAR * distance,
+        },
+    }
+}

@@ -1,0 +1,192 @@
+//! Images: PNG, JPEG and WebP, told apart by their first bytes and not by what the file calls them.
+
+use super::buffer::Buffers;
+use super::error::GltfError;
+use super::extension::{ExtensionUse, undeclared};
+use super::json::Json;
+use super::notes::Notes;
+use super::source::Source;
+use crate::scene::{Image, Pixels};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io::Cursor;
+
+/// An image that a material uses, not decoded yet.
+struct Encoded<'a> {
+    json: Json<'a>,
+    bytes: Cow<'a, [u8]>,
+    format: ImageFormat,
+}
+
+/// The images that materials use, in the order of their first use.
+pub struct Images<'a> {
+    buffers: &'a Buffers<'a>,
+    source: &'a Source,
+    encoded: Vec<Encoded<'a>>,
+    /// From the glTF's index; `None` for a format that is not read.
+    found: HashMap<usize, Option<usize>>,
+}
+
+impl<'a> Images<'a> {
+    pub fn new(buffers: &'a Buffers<'a>, source: &'a Source) -> Self {
+        Self {
+            buffers,
+            source,
+            encoded: Vec::new(),
+            found: HashMap::new(),
+        }
+    }
+
+    /// The index in `Scene::images` that the image will have.
+    pub fn index(
+        &mut self,
+        index: usize,
+        json: Json<'a>,
+        extensions: &mut Vec<ExtensionUse>,
+        notes: &mut Notes,
+    ) -> Result<Option<usize>, GltfError> {
+        if let Some(&known) = self.found.get(&index) {
+            return Ok(known);
+        }
+        let bytes: Cow<'a, [u8]> = match self.buffers.view(&json, "bufferView")? {
+            Some(view) => Cow::Borrowed(view.bytes),
+            None => match json.get("uri") {
+                Some(uri) => Cow::Owned(self.source.resolve(&uri)?),
+                None => return Err(json.invalid("it has neither `uri` nor `bufferView`")),
+            },
+        };
+        let place = match Container::of(&bytes) {
+            Some(Container::Read(format)) => {
+                self.encoded.push(Encoded {
+                    json,
+                    bytes,
+                    format,
+                });
+                Some(self.encoded.len() - 1)
+            }
+            Some(Container::Extension(name, kind)) => {
+                undeclared(extensions, name, &json.at);
+                notes.add(format!("{kind} images are left out"), &json.at);
+                None
+            }
+            None => return Err(json.invalid("it is neither PNG, JPEG nor WebP")),
+        };
+        self.found.insert(index, place);
+        Ok(place)
+    }
+
+    /// Decodes all, in parallel.
+    pub fn decode(self) -> Result<Vec<Image>, GltfError> {
+        let source = self.source;
+        let decoded: Vec<Result<Image, GltfError>> = self
+            .encoded
+            .into_par_iter()
+            .map(|encoded| decode(&encoded, source))
+            .collect();
+        // In order, so that a file with two faults always shows the same one.
+        decoded.into_iter().collect()
+    }
+}
+
+enum Container {
+    Read(ImageFormat),
+    /// The extension that brings the format, and the format's name.
+    Extension(&'static str, &'static str),
+}
+
+impl Container {
+    fn of(bytes: &[u8]) -> Option<Self> {
+        const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+        const JPEG: &[u8] = b"\xff\xd8\xff";
+        const KTX2: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
+        match bytes {
+            _ if bytes.starts_with(PNG) => Some(Self::Read(ImageFormat::Png)),
+            _ if bytes.starts_with(JPEG) => Some(Self::Read(ImageFormat::Jpeg)),
+            [
+                b'R',
+                b'I',
+                b'F',
+                b'F',
+                _,
+                _,
+                _,
+                _,
+                b'W',
+                b'E',
+                b'B',
+                b'P',
+                ..,
+            ] => Some(Self::Read(ImageFormat::WebP)),
+            _ if bytes.starts_with(KTX2) => Some(Self::Extension("KHR_texture_basisu", "KTX2")),
+            _ if bytes.starts_with(b"DDS ") => Some(Self::Extension("MSFT_texture_dds", "DDS")),
+            [
+                _,
+                _,
+                _,
+                _,
+                b'f',
+                b't',
+                b'y',
+                b'p',
+                b'a',
+                b'v',
+                b'i',
+                b'f',
+                ..,
+            ] => Some(Self::Extension("EXT_texture_avif", "AVIF")),
+            _ => None,
+        }
+    }
+}
+
+fn decode(encoded: &Encoded<'_>, source: &Source) -> Result<Image, GltfError> {
+    let json = &encoded.json;
+    let broken = |error: image::ImageError| json.invalid(format!("the image is damaged: {error}"));
+    let reader = ImageReader::with_format(Cursor::new(&*encoded.bytes), encoded.format);
+    let mut decoder = reader.into_decoder().map_err(broken)?;
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        return Err(json.invalid(format!("the image is {width} x {height} pixels")));
+    }
+    let color = decoder.color_type();
+    let wide = color.bytes_per_pixel() / color.channel_count() > 1;
+    // What the header claims is paid for before anything is decoded: the result, and the decoder's
+    // own pixels, which go away again.
+    let pixel: u64 = if wide { 8 } else { 4 };
+    let size = u64::from(width) * u64::from(height) * pixel;
+    let budget = &source.budget;
+    budget.take(size, json.file(), &json.at)?;
+    if decoder.total_bytes() > budget.left() {
+        budget.take(decoder.total_bytes(), json.file(), &json.at)?;
+    }
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(budget.left());
+    decoder.set_limits(limits).map_err(broken)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
+    Ok(Image {
+        name: name(json),
+        width,
+        height,
+        pixels: pixels(image, color),
+    })
+}
+
+/// Grey, palette and opaque images become RGBA; 16-bit ones stay 16-bit. Colour profiles are
+/// ignored, as glTF 2.0 section 3.8.3 asks.
+fn pixels(image: DynamicImage, color: ColorType) -> Pixels {
+    match color {
+        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
+            Pixels::Rgba16(image.into_rgba16().into_raw())
+        }
+        _ => Pixels::Rgba8(image.into_rgba8().into_raw()),
+    }
+}
+
+fn name(json: &Json<'_>) -> String {
+    match json.string("uri") {
+        Ok(Some(uri)) if json.name() == json.at && !uri.starts_with("data:") => uri.to_owned(),
+        _ => json.name(),
+    }
+}
