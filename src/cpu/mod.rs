@@ -9,4 +9,5 @@
 
 pub mod attributes;
 pub mod intersect;
+pub mod math;
 pub mod ray;

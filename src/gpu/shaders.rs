@@ -15,6 +15,7 @@ pub const MODULES: &[Module] = modules![
     "attributes",
     "bindings",
     "intersect",
+    "math",
     "ray",
     "shared",
 ];

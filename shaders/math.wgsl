@@ -1,0 +1,321 @@
+// Arithmetic that everything else stands on. Drivers may be off by thousands of ulps in exp, log,
+// sin, pow and their like (the specifications of Vulkan and WGSL allow it, lavapipe does it), so
+// these are our own, each within a few ulps of float32 and made of + - * / and sqrt alone.
+
+const PI: f32 = 3.14159265358979;
+const INV_PI: f32 = 0.318309886183791;
+const SQRT_PI: f32 = 1.77245385090552;
+const LN_2_HIGH: f32 = 0.693359375; // 15 bits, so that its product with an exponent is exact
+const LN_2_LOW: f32 = -2.12194440e-4;
+const PI_2_HIGH: f32 = 1.5703125;   // pi / 2 in three parts, the first two short
+const PI_2_MIDDLE: f32 = 4.837512969970703e-4;
+const PI_2_LOW: f32 = 7.54978995489188e-8;
+
+// A right-handed orthonormal frame: tangent, bitangent, normal.
+struct Basis {
+    t: vec3<f32>,
+    b: vec3<f32>,
+    n: vec3<f32>,
+}
+
+fn sqr(x: f32) -> f32 {
+    return x * x;
+}
+
+fn safe_sqrt(x: f32) -> f32 {
+    return sqrt(max(x, 0.0));
+}
+
+// Relative luminance of linear Rec. 709 (ITU-R BT.709).
+fn luminance(rgb: vec3<f32>) -> f32 {
+    return dot(rgb, vec3(0.2126, 0.7152, 0.0722));
+}
+
+// Unit length; a vector of no length stays what it is.
+fn normalize_accurate(v: vec3<f32>) -> vec3<f32> {
+    let norm = sqrt(dot(v, v));
+    if norm > 0.0 {
+        return v / norm;
+    }
+    return v;
+}
+
+fn basis_from_normal(n: vec3<f32>) -> Basis {
+    // Duff et al. 2017, "Building an Orthonormal Basis, Revisited", listing 3.
+    let s = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (s + n.z);
+    let b = n.x * n.y * a;
+    return Basis(
+        vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x),
+        vec3(b, s + n.y * n.y * a, -n.y),
+        n,
+    );
+}
+
+// The frame with normal n whose tangent is t made orthogonal to n (glTF 2.0, 3.7.2.1: the bitangent is
+// cross(n, t) * handedness); any frame about n where t says nothing. With handedness -1 the frame is
+// left-handed, and to_local and to_world are still each other's inverses.
+fn basis_from_tangent(n: vec3<f32>, t: vec3<f32>, handedness: f32) -> Basis {
+    let across = t - dot(t, n) * n;
+    let length_squared = dot(across, across);
+    // Below this share of t the direction is mostly rounding.
+    if !(length_squared > 1e-10 * dot(t, t)) {
+        return basis_from_normal(n);
+    }
+    let tangent = across / sqrt(length_squared);
+    return Basis(tangent, cross(n, tangent) * handedness, n);
+}
+
+fn to_local(basis: Basis, v: vec3<f32>) -> vec3<f32> {
+    return vec3(dot(v, basis.t), dot(v, basis.b), dot(v, basis.n));
+}
+
+fn to_world(basis: Basis, v: vec3<f32>) -> vec3<f32> {
+    return v.x * basis.t + v.y * basis.b + v.z * basis.n;
+}
+
+// shader only: float64 has a fused multiply-add that gives the rounding error at once.
+fn high_half(a: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(a) & 0xfffff000u);
+}
+
+// a * b as (rounded product, its rounding error).
+fn two_product(a: f32, b: f32) -> vec2<f32> {
+    // Dekker 1971, "A Floating-Point Technique for Extending the Available Precision"; the halves are
+    // cut by bits, so that all partial products are exact and contraction to fma changes nothing.
+    let p = a * b;
+    let ah = high_half(a);
+    let bh = high_half(b);
+    let al = a - ah;
+    let bl = b - bh;
+    return vec2(p, ((ah * bh - p) + ah * bl + al * bh) + al * bl);
+}
+
+// a + b as (rounded sum, its rounding error).
+fn two_sum(a: f32, b: f32) -> vec2<f32> {
+    // Knuth, "The Art of Computer Programming", volume 2, 4.2.2, theorem B.
+    let s = a + b;
+    let bb = s - a;
+    return vec2(s, (a - (s - bb)) + (b - bb));
+}
+
+// a * b + c, rounded about once.
+fn product_sum(a: f32, b: f32, c: f32) -> f32 {
+    let p = two_product(a, b);
+    let s = two_sum(p.x, c);
+    return s.x + (s.y + p.y);
+}
+
+// a^2 + b^2 - c^2 - 1, rounded about once however much it cancels.
+fn squares_minus_one(a: f32, b: f32, c: f32) -> f32 {
+    let aa = two_product(a, a);
+    let bb = two_product(b, b);
+    let cc = two_product(c, c);
+    let s1 = two_sum(aa.x, -1.0);
+    let s2 = two_sum(bb.x, -cc.x);
+    let s = two_sum(s1.x, s2.x);
+    return s.x + (s.y + s1.y + s2.y + aa.y + bb.y - cc.y);
+}
+
+// e^x; 0 below the smallest normal number, the largest finite number above it.
+fn exp_accurate(x: f32) -> f32 {
+    if x < -87.3 {
+        return 0.0;
+    }
+    if x > 88.72 {
+        return 3.4028234e38;
+    }
+    let k = round(x * 1.44269504);
+    let r = (x - k * LN_2_HIGH) - k * LN_2_LOW;
+    // Taylor's series, |r| < 0.347: the rest is below 1e-8.
+    var p = 1.0 / 5040.0;
+    p = p * r + 1.0 / 720.0;
+    p = p * r + 1.0 / 120.0;
+    p = p * r + 1.0 / 24.0;
+    p = p * r + 1.0 / 6.0;
+    p = p * r + 0.5;
+    let m = 1.0 + (r + r * r * p);
+    // Two factors, since 2^128 is no float32.
+    let k1 = i32(k) / 2;
+    let k2 = i32(k) - k1;
+    return m * bitcast<f32>(u32(127 + k1) << 23u) * bitcast<f32>(u32(127 + k2) << 23u);
+}
+
+// e^x - 1 without the cancellation near 0.
+fn expm1_accurate(x: f32) -> f32 {
+    if abs(x) > 0.35 {
+        return exp_accurate(x) - 1.0;
+    }
+    var p = 1.0 / 40320.0;
+    p = p * x + 1.0 / 5040.0;
+    p = p * x + 1.0 / 720.0;
+    p = p * x + 1.0 / 120.0;
+    p = p * x + 1.0 / 24.0;
+    p = p * x + 1.0 / 6.0;
+    p = p * x + 0.5;
+    return x + x * x * p;
+}
+
+// ln(1 + f) for f between sqrt(1/2) - 1 and sqrt(2) - 1.
+// shader only: a part of log_accurate and log1p_accurate, which float64 has built in.
+fn log1p_reduced(f: f32) -> f32 {
+    // ln(1 + f) = 2 atanh(s), s = f / (2 + f), its series cut where the rest is below 1e-9.
+    let s = f / (2.0 + f);
+    let z = s * s;
+    var p = 2.0 / 11.0;
+    p = p * z + 2.0 / 9.0;
+    p = p * z + 2.0 / 7.0;
+    p = p * z + 2.0 / 5.0;
+    p = p * z + 2.0 / 3.0;
+    let half_square = 0.5 * f * f;
+    return f - (half_square - s * (half_square + p * z));
+}
+
+// Natural logarithm of a positive number; the lowest finite number at 0.
+fn log_accurate(x: f32) -> f32 {
+    if x <= 0.0 {
+        return -3.4028234e38;
+    }
+    let bits = bitcast<u32>(x);
+    // The exponent is counted so that the mantissa lies between sqrt(1/2) and sqrt(2).
+    let k = (i32(bits) - 0x3f3504f3) >> 23u;
+    let m = bitcast<f32>(bits - bitcast<u32>(k << 23u));
+    let exponent = f32(k);
+    return exponent * LN_2_HIGH + (log1p_reduced(m - 1.0) + exponent * LN_2_LOW);
+}
+
+// ln(1 + x), x > -1, without the cancellation near 0.
+fn log1p_accurate(x: f32) -> f32 {
+    if x > -0.29 && x < 0.41 {
+        return log1p_reduced(x);
+    }
+    let u = 1.0 + x;
+    return log_accurate(u) + (x - (u - 1.0)) / u;
+}
+
+// x^y for x >= 0.
+fn pow_accurate(x: f32, y: f32) -> f32 {
+    if x <= 0.0 {
+        return select(0.0, 1.0, y == 0.0);
+    }
+    return exp_accurate(y * log_accurate(x));
+}
+
+// (sin x, cos x); |x| up to a few thousand.
+fn sincos_accurate(x: f32) -> vec2<f32> {
+    let k = round(x * 0.636619772);
+    // Cody and Waite 1980, "Software Manual for the Elementary Functions": pi / 2 in three parts.
+    let r = ((x - k * PI_2_HIGH) - k * PI_2_MIDDLE) - k * PI_2_LOW;
+    let z = r * r;
+    var s = 1.0 / 362880.0;
+    s = s * z - 1.0 / 5040.0;
+    s = s * z + 1.0 / 120.0;
+    s = s * z - 1.0 / 6.0;
+    s = r + r * z * s;
+    var c = -1.0 / 3628800.0;
+    c = c * z + 1.0 / 40320.0;
+    c = c * z - 1.0 / 720.0;
+    c = c * z + 1.0 / 24.0;
+    c = 1.0 - (0.5 * z - z * z * c);
+    let quadrant = i32(k) & 3;
+    let swapped = select(vec2(s, c), vec2(c, s), (quadrant & 1) == 1);
+    return vec2(
+        select(swapped.x, -swapped.x, quadrant >= 2),
+        select(swapped.y, -swapped.y, quadrant == 1 || quadrant == 2),
+    );
+}
+
+// The angle of the point (x, y), -pi to pi; 0 at the origin.
+fn atan2_accurate(y: f32, x: f32) -> f32 {
+    let ax = abs(x);
+    let ay = abs(y);
+    let high = max(ax, ay);
+    if high == 0.0 {
+        return 0.0;
+    }
+    let t = min(ax, ay) / high;
+    // Above tan(pi / 8) turn by pi / 4.
+    let turned = t > 0.41421356;
+    let v = select(t, (t - 1.0) / (t + 1.0), turned);
+    let z = v * v;
+    // Chebyshev fit of (atan(v) / v) over v^2, error 6e-10.
+    var p = -0.06033241701;
+    p = p * z + 0.1057281448;
+    p = p * z - 0.1423998292;
+    p = p * z + 0.199982108;
+    p = p * z - 0.3333330749;
+    var angle = v + v * z * p;
+    if turned {
+        angle += 0.785398163397448;
+    }
+    if ay > ax {
+        angle = 1.57079632679490 - angle;
+    }
+    if x < 0.0 {
+        angle = PI - angle;
+    }
+    return select(angle, -angle, y < 0.0);
+}
+
+fn acos_accurate(x: f32) -> f32 {
+    return 2.0 * atan2_accurate(safe_sqrt(1.0 - x), safe_sqrt(1.0 + x));
+}
+
+fn asin_accurate(x: f32) -> f32 {
+    return atan2_accurate(x, safe_sqrt((1.0 - x) * (1.0 + x)));
+}
+
+// e^(x^2) erfc(x), x >= 0: the complementary error function without its steep part.
+fn erfcx_accurate(x: f32) -> f32 {
+    // Shepherd and Laframboise 1981, "Chebyshev Approximation of (1 + 2x) exp(x^2) erfc x in
+    // 0 <= x < infinity": the same quantity in t = (x - 3) / (x + 3); own fit, error 3e-9.
+    let t = (x - 3.0) / (x + 3.0);
+    var p = 3.861849137e-6;
+    p = p * t + 7.731024224e-5;
+    p = p * t - 0.0001041307143;
+    p = p * t - 0.000726453679;
+    p = p * t + 0.001888112865;
+    p = p * t + 0.00249911687;
+    p = p * t - 0.02377033468;
+    p = p * t + 0.06831656777;
+    p = p * t - 0.1192736913;
+    p = p * t + 0.1296441143;
+    p = p * t - 0.0475622927;
+    p = p * t - 0.1356210694;
+    p = p * t + 1.253008058;
+    return p / (1.0 + 2.0 * x);
+}
+
+fn erfc_accurate(x: f32) -> f32 {
+    let tail = exp_accurate(-x * x) * erfcx_accurate(abs(x));
+    return select(tail, 2.0 - tail, x < 0.0);
+}
+
+fn erf_accurate(x: f32) -> f32 {
+    if abs(x) > 0.5 {
+        return select(1.0 - erfc_accurate(x), erfc_accurate(-x) - 1.0, x < 0.0);
+    }
+    // Maclaurin's series.
+    let z = x * x;
+    var p = 1.0 / 1320.0;
+    p = -p * z + 1.0 / 216.0;
+    p = -p * z + 1.0 / 42.0;
+    p = -p * z + 1.0 / 10.0;
+    p = -p * z + 1.0 / 3.0;
+    return (2.0 / SQRT_PI) * (x - x * z * p);
+}
+
+// The x with erfc(-x) / 2 = u: a number distributed as e^(-x^2) / sqrt(pi) for u uniform in [0, 1).
+fn normal_quantile(u: f32) -> f32 {
+    let v = max(min(u, 1.0 - u), 1.4901161e-8); // 2^-26: half of the smallest u above 0
+    // Start: Winitzki 2008, "A handy approximation for the error function and its inverse", eq. 7.
+    let l = log_accurate(4.0 * v * (1.0 - v));
+    let h = 4.33074675 + 0.5 * l; // 2 / (0.147 pi)
+    var t = safe_sqrt(sqrt(max(h * h - l / 0.147, 0.0)) - h);
+    // Two steps of Halley's method on erfc(t) / 2 = v.
+    for (var i = 0; i < 2; i++) {
+        let newton = (0.5 * erfcx_accurate(t) - v * exp_accurate(t * t)) * SQRT_PI;
+        t += newton / (1.0 - t * newton);
+    }
+    return select(t, -t, u < 0.5);
+}
