@@ -1,8 +1,13 @@
 //! Everything that can end a run, and the exit status that it ends with.
 
+use std::path::PathBuf;
+
 use crate::gltf::GltfError;
 use crate::gpu::device::DeviceError;
+use crate::gpu::render::RenderError;
+use crate::gpu::upload::UploadError;
 use crate::output::OutputError;
+use crate::pack::PackError;
 
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -11,10 +16,32 @@ pub enum Error {
     Usage(String),
     #[error("cannot write to standard output: {0}")]
     Stdout(std::io::Error),
+    /// A file that could be read a moment ago.
+    #[error("cannot read '{path}': {source}")]
+    Input {
+        path: PathBuf,
+        source: std::io::Error,
+    },
+    #[error(
+        "'{scene}' uses {extension}, which is ignored ({detail}); leave --strict away to render it all the same"
+    )]
+    Strict {
+        scene: PathBuf,
+        extension: String,
+        detail: String,
+    },
+    #[error(
+        "the picture needs {needed} bytes while it is made and --max-memory allows {allowed}; make it smaller, render it in parts with --crop, or raise --max-memory"
+    )]
+    FilmTooLarge { needed: u64, allowed: u64 },
+    #[error(transparent)]
+    Pack(#[from] PackError),
     #[error(transparent)]
     Gltf(#[from] GltfError),
     #[error(transparent)]
     Device(#[from] DeviceError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
     #[error(transparent)]
     Output(#[from] OutputError),
 }
@@ -26,7 +53,26 @@ impl Error {
         match self {
             Error::Usage(_) => 2,
             Error::Stdout(_) => 8,
+            Error::Input { .. } => 3,
+            Error::Strict { .. } => 4,
+            Error::FilmTooLarge { .. } => 6,
             Error::Gltf(error) => error.exit_status(),
+            Error::Pack(error) => match error {
+                PackError::TooMany { .. } => 6,
+                PackError::TooFar { .. } | PackError::Model { .. } => 3,
+            },
+            Error::Render(error) => match error {
+                RenderError::Upload(
+                    UploadError::TooLarge { .. }
+                    | UploadError::EnvironmentTooLarge { .. }
+                    | UploadError::OutOfMemory(_),
+                )
+                | RenderError::OutOfMemory(_) => 6,
+                RenderError::Upload(UploadError::Device(_))
+                | RenderError::Kernel(_)
+                | RenderError::Lost(_)
+                | RenderError::Failed(_) => 7,
+            },
             Error::Device(error) => match error {
                 DeviceError::NoAdapter
                 | DeviceError::NotFound { .. }

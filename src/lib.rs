@@ -10,6 +10,7 @@ pub mod output;
 pub mod pack;
 pub mod progress;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod shared;
 pub mod tables;

@@ -2,6 +2,10 @@
 
 pub mod doctor;
 pub mod info;
+mod record;
+pub mod render;
+mod value;
+mod view;
 
 use std::io::{self, Write};
 
@@ -25,6 +29,8 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Render a scene to pictures.
+    Render(Box<render::RenderArgs>),
     /// List the adapters and say what is wrong, if anything.
     Doctor(doctor::DoctorArgs),
     /// Say what is in a glTF file, and what Snell does with each of its extensions.
@@ -35,6 +41,7 @@ impl Cli {
     /// Does what was asked for.
     pub fn run(self) -> Result<(), Error> {
         match self.command {
+            Command::Render(args) => render::run(&args),
             Command::Doctor(args) => doctor::run(&args),
             Command::Info(args) => info::run(&args),
         }
@@ -62,4 +69,10 @@ pub fn print(text: &str) -> Result<(), Error> {
         Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         result => result.map_err(Error::Stdout),
     }
+}
+
+/// Says a line on standard error, where messages for people go; nobody reads it where it cannot be
+/// written.
+pub fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "snell: {line}");
 }

@@ -80,6 +80,17 @@ pub enum Place {
     File(PathBuf),
 }
 
+impl Place {
+    /// `-` is standard output.
+    pub fn of(path: &Path) -> Place {
+        if path.as_os_str() == "-" {
+            Place::Stdout
+        } else {
+            Place::File(path.to_owned())
+        }
+    }
+}
+
 /// One `-o`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Target {
@@ -90,16 +101,12 @@ pub struct Target {
 impl Target {
     /// `-` is a PNG on standard output; anything else is a file whose ending says the format.
     pub fn parse(path: &Path) -> Result<Target, OutputError> {
-        if path.as_os_str() == "-" {
-            return Ok(Target {
-                place: Place::Stdout,
-                format: Format::Png,
-            });
-        }
-        Ok(Target {
-            format: Format::of_ending(path)?,
-            place: Place::File(path.to_owned()),
-        })
+        let place = Place::of(path);
+        let format = match place {
+            Place::Stdout => Format::Png,
+            Place::File(_) => Format::of_ending(path)?,
+        };
+        Ok(Target { place, format })
     }
 }
 

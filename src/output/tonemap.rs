@@ -124,3 +124,12 @@ pub fn srgb_encode(linear: f64) -> f64 {
         1.055 * linear.powf(1.0 / 2.4) - 0.055
     }
 }
+
+/// The inverse of `srgb_encode`.
+pub fn srgb_decode(code: f64) -> f64 {
+    if code <= 0.04045 {
+        code / 12.92
+    } else {
+        ((code + 0.055) / 1.055).powf(2.4)
+    }
+}

@@ -1,0 +1,136 @@
+//! What is said of a render that is done: the record, and the one line.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+use super::render::{Job, Rendered};
+use super::value::Background;
+use crate::error::Error;
+use crate::film::Film;
+use crate::progress::human;
+use crate::report::{
+    Achieved, Adapter, Extension, Facts, Input, Memory, Rays, Report, Times, limits_in_use,
+    packed_hash, shader_hash,
+};
+
+/// The repeatable part.
+pub fn facts(job: &Job, rendered: &Rendered) -> Result<Facts, Error> {
+    let args = job.args;
+    Ok(Facts {
+        snell: env!("CARGO_PKG_VERSION"),
+        scene: input(&args.scene)?,
+        environment: args.env.as_deref().map(input).transpose()?,
+        packed_hash: packed_hash(&job.packed),
+        shader_hash: shader_hash(),
+        adapter: adapter(job),
+        limits: job
+            .gpu
+            .as_ref()
+            .map_or_else(BTreeMap::new, |gpu| limits_in_use(&gpu.limits)),
+        // None is asked for.
+        features: Vec::new(),
+        size: args.size,
+        crop: job.settings.crop,
+        samples: [job.settings.samples.start, job.settings.samples.end],
+        seed: args.seed,
+        max_depth: args.max_depth,
+        camera: job.camera_name.clone(),
+        background: match args.background {
+            Background::Environment => "env".into(),
+            Background::Transparent => "transparent".into(),
+            Background::Color([r, g, b]) => format!("{r},{g},{b}"),
+        },
+        exposure_ev: args.exposure,
+        tonemap: args.tonemap.name(),
+        rays: Some(Rays {
+            closest: rendered.rays.closest,
+            shadow: rendered.rays.shadow,
+        }),
+        error: Achieved::of(&rendered.film),
+        non_finite_samples: rendered.film.non_finite(),
+        extensions: job
+            .loaded
+            .extensions
+            .iter()
+            .map(|e| Extension {
+                name: e.name.clone(),
+                required: e.required,
+                treatment: e.treatment,
+                detail: e.detail.clone(),
+            })
+            .collect(),
+    })
+}
+
+fn adapter(job: &Job) -> Adapter {
+    job.gpu
+        .as_ref()
+        .map_or_else(Adapter::cpu, |gpu| Adapter::gpu(&gpu.info))
+}
+
+fn input(path: &Path) -> Result<Input, Error> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Input::of(path, &bytes)),
+        Err(source) => Err(Error::Input {
+            path: path.to_owned(),
+            source,
+        }),
+    }
+}
+
+/// All of it.
+pub fn report(job: &Job, facts: Facts, times_ms: Times) -> Report {
+    let outputs = job.args.output.iter();
+    Report {
+        facts,
+        times_ms,
+        memory: Memory::of(&job.packed),
+        outputs: outputs.map(|path| path.display().to_string()).collect(),
+        notes: job.loaded.notes.clone(),
+    }
+}
+
+/// What was rendered, where to, on what, in how long, at what error.
+pub fn summary(job: &Job, film: &Film, elapsed: Duration) -> String {
+    let outputs: Vec<String> = job
+        .args
+        .output
+        .iter()
+        .map(|path| match path.as_os_str() == "-" {
+            true => "standard output".into(),
+            false => path.display().to_string(),
+        })
+        .collect();
+    let samples = job.settings.samples.len();
+    let error = film.error().map_or_else(String::new, |error| {
+        format!(", error {}", percent(error.relative))
+    });
+    let dropped = match film.non_finite() {
+        0 => String::new(),
+        bad => format!(", {bad} samples not finite"),
+    };
+    format!(
+        "{} -> {}: {}x{}, {samples} {} a pixel, on {}, in {}{error}{dropped}",
+        job.args.scene.display(),
+        outputs.join(", "),
+        film.width,
+        film.height,
+        if samples == 1 { "sample" } else { "samples" },
+        adapter(job).name,
+        human(elapsed),
+    )
+}
+
+/// Two digits that count.
+fn percent(share: f64) -> String {
+    let percent = share * 100.0;
+    if percent == 0.0 {
+        "0 %".into()
+    } else if percent >= 10.0 {
+        format!("{percent:.0} %")
+    } else {
+        let digits = (1.0 - percent.log10().floor()).max(1.0) as usize;
+        format!("{percent:.digits$} %")
+    }
+}

@@ -1,0 +1,149 @@
+//! What arguments look like: parsers whose messages clap shows beside the argument.
+
+use std::ops::Range;
+
+/// `WxH` in pixels.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let (width, height) = text
+        .split_once(['x', 'X'])
+        .ok_or("give width and height as WxH, such as 1024x768")?;
+    let side = |text: &str| match text.parse() {
+        Ok(side @ 1..=LARGEST_SIDE) => Ok(side),
+        _ => Err(format!(
+            "each side is a whole number from 1 to {LARGEST_SIDE}"
+        )),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+/// Coordinates up to here are exact as float32 with their fraction of a pixel.
+const LARGEST_SIDE: u32 = 65536;
+
+/// `X,Y,W,H` in pixels.
+pub fn crop(text: &str) -> Result<[u32; 4], String> {
+    let crop = numbers::<u32, 4>(text, "give the window as X,Y,W,H in pixels")?;
+    if crop[2] == 0 || crop[3] == 0 {
+        return Err("the window is at least one pixel wide and high".into());
+    }
+    Ok(crop)
+}
+
+/// `A..B`, the end not included.
+pub fn samples(text: &str) -> Result<Range<u32>, String> {
+    const FORM: &str = "give the samples as A..B with A < B; B is not included";
+    let (start, end) = text.split_once("..").ok_or(FORM)?;
+    match (start.parse(), end.parse()) {
+        (Ok(start), Ok(end)) if start < end => Ok(start..end),
+        _ => Err(FORM.into()),
+    }
+}
+
+/// `THETA,PHI,RADIUS`: degrees, degrees, metres.
+pub fn orbit(text: &str) -> Result<[f64; 3], String> {
+    let orbit = numbers::<f64, 3>(text, "give THETA,PHI,RADIUS in degrees, degrees, metres")?;
+    if orbit.iter().all(|x| x.is_finite()) && orbit[2] > 0.0 {
+        Ok(orbit)
+    } else {
+        Err("angles are finite and the radius is more than 0 metres".into())
+    }
+}
+
+/// A finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err("give a finite number".into()),
+    }
+}
+
+/// A finite number that is not negative.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| {
+        if x >= 0.0 {
+            Ok(x)
+        } else {
+            Err("give a number that is not negative".into())
+        }
+    })
+}
+
+/// Bytes, with K, M, G or T for powers of 1024 (also as KB, KiB and so on).
+pub fn bytes(text: &str) -> Result<u64, String> {
+    const FORM: &str = "give bytes as a whole number, with K, M, G or T for powers of 1024";
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let unit = text[digits.len()..].to_ascii_lowercase();
+    let shift = match unit.trim_end_matches('b').trim_end_matches('i') {
+        "" => 0,
+        "k" => 10,
+        "m" => 20,
+        "g" => 30,
+        "t" => 40,
+        _ => return Err(FORM.into()),
+    };
+    let number: u64 = digits.parse().map_err(|_| FORM)?;
+    number
+        .checked_mul(1 << shift)
+        .ok_or_else(|| "that is more than can be counted".into())
+}
+
+/// What camera rays see that leave the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    Environment,
+    Transparent,
+    /// Linear Rec. 709.
+    Color([f32; 3]),
+}
+
+/// `env`, `transparent`, `#rrggbb` (sRGB) or `r,g,b` (linear).
+pub fn background(text: &str) -> Result<Background, String> {
+    const FORM: &str = "give 'env', 'transparent', '#rrggbb' (sRGB) or 'r,g,b' (linear, from 0)";
+    match text {
+        "env" => return Ok(Background::Environment),
+        "transparent" => return Ok(Background::Transparent),
+        _ => {}
+    }
+    if let Some(hex) = text.strip_prefix('#') {
+        if hex.len() != 6 || !hex.is_ascii() {
+            return Err(FORM.into());
+        }
+        let mut color = [0.0; 3];
+        for (c, channel) in color.iter_mut().enumerate() {
+            let code = u8::from_str_radix(&hex[2 * c..2 * c + 2], 16).map_err(|_| FORM)?;
+            *channel = crate::output::tonemap::srgb_decode(f64::from(code) / 255.0) as f32;
+        }
+        return Ok(Background::Color(color));
+    }
+    let color = numbers::<f32, 3>(text, FORM)?;
+    if color.iter().all(|x| x.is_finite() && *x >= 0.0) {
+        Ok(Background::Color(color))
+    } else {
+        Err(FORM.into())
+    }
+}
+
+/// An arbitrary output variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    Variance,
+    Samples,
+}
+
+pub fn aov(text: &str) -> Result<Aov, String> {
+    match text {
+        "variance" => Ok(Aov::Variance),
+        "samples" => Ok(Aov::Samples),
+        "albedo" | "normal" | "depth" | "position" | "uv" | "object-id" | "material-id" => {
+            Err("not available yet; there are 'variance' and 'samples'".into())
+        }
+        _ => Err("there are 'variance' and 'samples'".into()),
+    }
+}
+
+fn numbers<T: std::str::FromStr, const N: usize>(text: &str, form: &str) -> Result<[T; N], String> {
+    let numbers: Result<Vec<T>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    numbers
+        .ok()
+        .and_then(|n| n.try_into().ok())
+        .ok_or_else(|| form.to_owned())
+}
