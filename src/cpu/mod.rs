@@ -8,6 +8,12 @@
 )]
 
 pub mod attributes;
+pub mod camera;
 pub mod intersect;
+pub mod light;
 pub mod math;
 pub mod ray;
+pub mod rng;
+pub mod sample;
+pub mod sobol;
+pub mod texture;

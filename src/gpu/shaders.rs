@@ -14,10 +14,19 @@ macro_rules! modules {
 pub const MODULES: &[Module] = modules![
     "attributes",
     "bindings",
+    "camera",
     "intersect",
+    "light/environment",
+    "light/light",
+    "light/punctual",
+    "light/triangle",
     "math",
     "ray",
+    "rng",
+    "sample",
     "shared",
+    "sobol",
+    "texture",
 ];
 
 /// The text of a module.

@@ -1,6 +1,8 @@
 //! From a scene to the flat arrays that both renderers read: the fork in the data flow.
 
 pub mod camera;
+pub mod environment;
+pub mod lights;
 pub mod material;
 pub mod mesh;
 pub mod model;

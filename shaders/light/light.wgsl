@@ -1,0 +1,113 @@
+// The choice of a light and of a point on it, for next-event estimation.
+
+import package::shared::{LIGHT_TRIANGLE, LIGHT_ENVIRONMENT, LIGHT_DIRECTIONAL};
+import package::rng::{hash_combine};
+import package::math::{normalize_accurate};
+import package::sample::{sample_triangle};
+import package::light::environment::{Le_environment, environment_sample, environment_pdf};
+import package::light::punctual::{irradiance_punctual};
+import package::light::triangle::{light_normal, Le_triangle, cos_emission};
+import package::bindings::{frame, lights, triangles, materials};
+
+// How far a light without a place is, metres: beyond every scene, and its square is finite.
+const LIGHT_DISTANCE_INFINITE: f32 = 1e18;
+
+struct LightSample {
+    wi: vec3<f32>,   // unit length, to the light
+    distance: f32,   // metres to the light
+    Le: vec3<f32>,   // radiance; of a delta light: irradiance on a surface that faces it
+    pdf: f32,        // per solid angle, of a delta light discrete; the choice included; 0: no sample
+    delta: u32,      // 1: no other technique finds this light
+}
+
+// The upper word of a product of two words.
+fn multiply_high(a: u32, b: u32) -> u32 {
+    let low = (a & 0xffffu) * (b & 0xffffu);
+    let middle1 = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
+    let middle2 = (a & 0xffffu) * (b >> 16u) + (middle1 & 0xffffu);
+    return (a >> 16u) * (b >> 16u) + (middle1 >> 16u) + (middle2 >> 16u);
+}
+
+// Index of a light, with probability weight / light_weight_total: the alias method (Walker 1977,
+// "An efficient method for generating discrete random variables with general distributions").
+// The 24 bits of u_pick are too few to choose among many lights and then compare with a
+// threshold, so eight more come from a hash of all three numbers.
+fn light_pick(u_pick: f32, u: vec2<f32>) -> u32 {
+    let pick = u32(u_pick * 0x1p24f);
+    let hash = hash_combine(hash_combine(pick, u32(u.x * 0x1p24f)), u32(u.y * 0x1p24f));
+    let word = (pick << 8u) | (hash >> 24u);
+    let index = multiply_high(word, frame.light_count);
+    let fraction = f32((word * frame.light_count) >> 8u) * 0x1p-24f;
+    if fraction < lights[index].alias_threshold {
+        return index;
+    }
+    return lights[index].alias_index;
+}
+
+// Density per solid angle, choice included, with which light_sample meets a point of a triangle
+// whose material has this `emission_weight`, `distance` metres away at cosine `cos_light`.
+fn light_pdf_triangle(emission_weight: f32, distance: f32, cos_light: f32) -> f32 {
+    if cos_light <= 0.0 || frame.light_weight_total <= 0.0 {
+        return 0.0;
+    }
+    return emission_weight / frame.light_weight_total * distance * distance / cos_light;
+}
+
+// A direction to a light from p, not yet tested for what stands between.
+fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>) -> LightSample {
+    var result = LightSample(vec3<f32>(0.0), 0.0, vec3<f32>(0.0), 0.0, 0u);
+    if frame.light_count == 0u || frame.light_weight_total <= 0.0 {
+        return result;
+    }
+    let light = lights[light_pick(u_pick, u)];
+    if light.kind == LIGHT_ENVIRONMENT {
+        let direction_pdf = environment_sample(u);
+        result.wi = direction_pdf.xyz;
+        result.distance = LIGHT_DISTANCE_INFINITE;
+        result.Le = Le_environment(result.wi);
+        result.pdf = direction_pdf.w * (light.weight / frame.light_weight_total);
+        return result;
+    }
+    if light.kind == LIGHT_DIRECTIONAL {
+        result.wi = -light.direction;
+        result.distance = LIGHT_DISTANCE_INFINITE;
+        result.Le = light.radiance;
+        result.pdf = light.weight / frame.light_weight_total;
+        result.delta = 1u;
+        return result;
+    }
+    var target_point = light.position;
+    let barycentrics = sample_triangle(u);
+    if light.kind == LIGHT_TRIANGLE {
+        target_point += barycentrics.x * light.direction + barycentrics.y * light.edge2;
+    }
+    let to_light = target_point - p;
+    let distance = sqrt(dot(to_light, to_light));
+    if distance == 0.0 {
+        return result;
+    }
+    result.wi = normalize_accurate(to_light);
+    result.distance = distance;
+    if light.kind == LIGHT_TRIANGLE {
+        let cos_light = cos_emission(light, -dot(result.wi, light_normal(light)));
+        let emission_weight = materials[triangles[light.triangle].material].emission_weight;
+        result.pdf = light_pdf_triangle(emission_weight, distance, cos_light);
+        if result.pdf > 0.0 {
+            result.Le = Le_triangle(light, barycentrics);
+        }
+        return result;
+    }
+    result.Le = irradiance_punctual(light, result.wi, distance);
+    result.pdf = light.weight / frame.light_weight_total;
+    result.delta = 1u;
+    return result;
+}
+
+// Density per solid angle, choice included, with which light_sample takes direction d to the
+// environment.
+fn light_pdf_environment(d: vec3<f32>) -> f32 {
+    if frame.light_weight_total <= 0.0 {
+        return 0.0;
+    }
+    return environment_pdf(d) * (frame.environment_weight / frame.light_weight_total);
+}

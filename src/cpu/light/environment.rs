@@ -1,0 +1,135 @@
+//! Light from infinitely far: an equirectangular map of radiance and the table that samples it.
+//! (u, v) of a direction: u = atan2(z, x) / (2 pi) + 1/2, v = acos(y) / pi from the top row, after
+//! the map's rotation about +y is taken back. A density over (u, v) becomes one per solid angle by
+//! d omega = 2 pi^2 sin(theta) du dv.
+
+use crate::cpu::math::{INV_PI, PI, sqr};
+use crate::pack::Packed;
+use glam::{DVec2, DVec3, DVec4};
+
+/// Half of the step between the sampler's numbers. Each stands for an interval of that step, and
+/// taking its middle keeps cells that few numbers reach from being met at one edge only.
+pub const SAMPLE_HALF_STEP: f64 = 1.0 / (1u64 << 25) as f64;
+
+/// Where a direction, of any length, falls on the map: [0, 1]^2.
+pub fn environment_uv(packed: &Packed, d: DVec3) -> DVec2 {
+    let (cos, sin) = (
+        f64::from(packed.frame.environment_cos),
+        f64::from(packed.frame.environment_sin),
+    );
+    let x = d.x * cos - d.z * sin;
+    let z = d.x * sin + d.z * cos;
+    let theta = x.hypot(z).atan2(d.y);
+    DVec2::new(z.atan2(x) * (0.5 * INV_PI) + 0.5, theta * INV_PI)
+}
+
+/// The inverse: a unit vector.
+pub fn environment_direction(packed: &Packed, uv: DVec2) -> DVec3 {
+    let (cos, sin) = (
+        f64::from(packed.frame.environment_cos),
+        f64::from(packed.frame.environment_sin),
+    );
+    let (sin_theta, cos_theta) = (PI * uv.y).sin_cos();
+    let (sin_phi, cos_phi) = (PI * (2.0 * uv.x - 1.0)).sin_cos();
+    let x = sin_theta * cos_phi;
+    let z = sin_theta * sin_phi;
+    DVec3::new(x * cos + z * sin, cos_theta, z * cos - x * sin)
+}
+
+/// One texel of the map; wraps around horizontally, ends at the poles.
+pub fn environment_texel(packed: &Packed, x: i32, y: i32) -> DVec3 {
+    let [width, height] = packed.frame.environment_size.map(|side| side as i32);
+    let place = y.clamp(0, height - 1) * width + (x + width) % width;
+    let [r, g, b, _] = packed.environment[place as usize];
+    DVec3::new(f64::from(r), f64::from(g), f64::from(b))
+}
+
+/// Radiance that arrives from direction d, filtered bilinearly between texel centres.
+pub fn Le_environment(packed: &Packed, d: DVec3) -> DVec3 {
+    if packed.frame.environment_strength == 0.0 {
+        return DVec3::ZERO;
+    }
+    let [width, height] = packed.frame.environment_size.map(f64::from);
+    let place = environment_uv(packed, d) * DVec2::new(width, height) - 0.5;
+    let corner = place.floor();
+    let fraction = place - corner;
+    let (x, y) = (corner.x as i32, corner.y as i32);
+    let texel = |x, y| environment_texel(packed, x, y);
+    let top = texel(x, y).lerp(texel(x + 1, y), fraction.x);
+    let bottom = texel(x, y + 1).lerp(texel(x + 1, y + 1), fraction.x);
+    f64::from(packed.frame.environment_strength) * top.lerp(bottom, fraction.y)
+}
+
+/// Cumulative probability of the row's cells up to and with cell x; that of the rows in column
+/// `environment_cells.x`. A multiple of 2^-24, as the sampler's numbers are.
+pub fn environment_cumulative(packed: &Packed, x: u32, y: u32) -> f64 {
+    let stride = packed.frame.environment_cells[0] + 1;
+    f64::from(packed.environment_cells[(y * stride + x) as usize][0])
+}
+
+/// Density of a cell over the unit square of (u, v).
+pub fn environment_density(packed: &Packed, x: u32, y: u32) -> f64 {
+    let stride = packed.frame.environment_cells[0] + 1;
+    f64::from(packed.environment_cells[(y * stride + x) as usize][1])
+}
+
+/// Bisection for the first of `count` cells of row y (or rows, where `rows`) whose cumulative
+/// probability is above u, and how far into it u lies, in (0, 1).
+pub fn environment_find(packed: &Packed, u: f64, count: u32, y: u32, rows: bool) -> DVec2 {
+    let cumulative = |cell: u32| {
+        if rows {
+            environment_cumulative(packed, packed.frame.environment_cells[0], cell)
+        } else {
+            environment_cumulative(packed, cell, y)
+        }
+    };
+    let mut first = 0;
+    let mut remaining = count - 1;
+    while remaining > 0 {
+        let half = remaining / 2;
+        if cumulative(first + half) <= u {
+            first += half + 1;
+            remaining -= half + 1;
+        } else {
+            remaining = half;
+        }
+    }
+    let above = cumulative(first);
+    let below = if first > 0 {
+        cumulative(first - 1)
+    } else {
+        0.0
+    };
+    DVec2::new(
+        f64::from(first),
+        ((u - below) + SAMPLE_HALF_STEP) / (above - below),
+    )
+}
+
+/// (Direction, pdf per solid angle), the choice of this light not included. pdf 0: no light.
+pub fn environment_sample(packed: &Packed, u: DVec2) -> DVec4 {
+    if packed.frame.environment_weight == 0.0 {
+        return DVec4::ZERO;
+    }
+    let [cells_x, cells_y] = packed.frame.environment_cells;
+    let row = environment_find(packed, u.y, cells_y, 0, true);
+    let column = environment_find(packed, u.x, cells_x, row.x as u32, false);
+    let uv = DVec2::new(column.x + column.y, row.x + row.y)
+        / DVec2::new(f64::from(cells_x), f64::from(cells_y));
+    let density = environment_density(packed, column.x as u32, row.x as u32);
+    let sin_theta = (PI * uv.y).sin();
+    environment_direction(packed, uv).extend(density / (2.0 * sqr(PI) * sin_theta))
+}
+
+/// Density of `environment_sample` at the unit vector d.
+pub fn environment_pdf(packed: &Packed, d: DVec3) -> f64 {
+    let sin_theta = d.x.hypot(d.z);
+    if packed.frame.environment_weight == 0.0 || sin_theta == 0.0 {
+        return 0.0;
+    }
+    let [cells_x, cells_y] = packed.frame.environment_cells;
+    let cell = environment_uv(packed, d) * DVec2::new(f64::from(cells_x), f64::from(cells_y));
+    let x = (cell.x as u32).min(cells_x - 1);
+    let y = (cell.y as u32).min(cells_y - 1);
+    environment_density(packed, x, y) / (2.0 * sqr(PI) * sin_theta)
+}

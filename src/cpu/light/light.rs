@@ -1,0 +1,134 @@
+//! The choice of a light and of a point on it, for next-event estimation.
+
+use crate::cpu::light::environment::{Le_environment, environment_pdf, environment_sample};
+use crate::cpu::light::punctual::irradiance_punctual;
+use crate::cpu::light::triangle::{Le_triangle, cos_emission, light_normal};
+use crate::cpu::math::normalize_accurate;
+use crate::cpu::rng::hash_combine;
+use crate::cpu::sample::sample_triangle;
+use crate::pack::Packed;
+use crate::shared::{LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_TRIANGLE};
+use glam::{DVec2, DVec3, Vec3};
+
+/// How far a light without a place is, metres: beyond every scene, and its square is finite.
+pub const LIGHT_DISTANCE_INFINITE: f64 = 1e18;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample {
+    /// Unit length, to the light.
+    pub wi: DVec3,
+    /// Metres to the light.
+    pub distance: f64,
+    /// Radiance; of a delta light: irradiance on a surface that faces it.
+    pub Le: DVec3,
+    /// Per solid angle, of a delta light discrete; the choice included; 0: no sample.
+    pub pdf: f64,
+    /// 1: no other technique finds this light.
+    pub delta: u32,
+}
+
+/// The upper word of a product of two words.
+pub fn multiply_high(a: u32, b: u32) -> u32 {
+    ((u64::from(a) * u64::from(b)) >> 32) as u32
+}
+
+/// Index of a light, with probability weight / light_weight_total: the alias method (Walker 1977,
+/// "An efficient method for generating discrete random variables with general distributions").
+/// The 24 bits of `u_pick` are too few to choose among many lights and then compare with a
+/// threshold, so eight more come from a hash of all three numbers.
+pub fn light_pick(packed: &Packed, u_pick: f64, u: DVec2) -> u32 {
+    let bits = |u: f64| (u * f64::from(1u32 << 24)) as u32;
+    let pick = bits(u_pick);
+    let hash = hash_combine(hash_combine(pick, bits(u.x)), bits(u.y));
+    let word = (pick << 8) | (hash >> 24);
+    let index = multiply_high(word, packed.frame.light_count);
+    let fraction = f64::from(word.wrapping_mul(packed.frame.light_count) >> 8);
+    let light = &packed.lights[index as usize];
+    if fraction / f64::from(1u32 << 24) < f64::from(light.alias_threshold) {
+        return index;
+    }
+    light.alias_index
+}
+
+/// Density per solid angle, choice included, with which `light_sample` meets a point of a triangle
+/// whose material has this `emission_weight`, `distance` metres away at cosine `cos_light`.
+pub fn light_pdf_triangle(
+    packed: &Packed,
+    emission_weight: f64,
+    distance: f64,
+    cos_light: f64,
+) -> f64 {
+    if cos_light <= 0.0 || packed.frame.light_weight_total <= 0.0 {
+        return 0.0;
+    }
+    emission_weight / f64::from(packed.frame.light_weight_total) * distance * distance / cos_light
+}
+
+/// A direction to a light from p, not yet tested for what stands between.
+pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2) -> LightSample {
+    let mut result = LightSample {
+        wi: DVec3::ZERO,
+        distance: 0.0,
+        Le: DVec3::ZERO,
+        pdf: 0.0,
+        delta: 0,
+    };
+    let total = f64::from(packed.frame.light_weight_total);
+    if packed.frame.light_count == 0 || total <= 0.0 {
+        return result;
+    }
+    let light = &packed.lights[light_pick(packed, u_pick, u) as usize];
+    if light.kind == LIGHT_ENVIRONMENT {
+        let direction_pdf = environment_sample(packed, u);
+        result.wi = direction_pdf.truncate();
+        result.distance = LIGHT_DISTANCE_INFINITE;
+        result.Le = Le_environment(packed, result.wi);
+        result.pdf = direction_pdf.w * (f64::from(light.weight) / total);
+        return result;
+    }
+    if light.kind == LIGHT_DIRECTIONAL {
+        result.wi = -Vec3::from(light.direction).as_dvec3();
+        result.distance = LIGHT_DISTANCE_INFINITE;
+        result.Le = Vec3::from(light.radiance).as_dvec3();
+        result.pdf = f64::from(light.weight) / total;
+        result.delta = 1;
+        return result;
+    }
+    let mut target_point = Vec3::from(light.position).as_dvec3();
+    let barycentrics = sample_triangle(u);
+    if light.kind == LIGHT_TRIANGLE {
+        target_point += barycentrics.x * Vec3::from(light.direction).as_dvec3()
+            + barycentrics.y * Vec3::from(light.edge2).as_dvec3();
+    }
+    let to_light = target_point - p;
+    let distance = to_light.length();
+    if distance == 0.0 {
+        return result;
+    }
+    result.wi = normalize_accurate(to_light);
+    result.distance = distance;
+    if light.kind == LIGHT_TRIANGLE {
+        let cos_light = cos_emission(packed, light, -result.wi.dot(light_normal(packed, light)));
+        let material = packed.triangles[light.triangle as usize].material;
+        let emission_weight = f64::from(packed.materials[material as usize].emission_weight);
+        result.pdf = light_pdf_triangle(packed, emission_weight, distance, cos_light);
+        if result.pdf > 0.0 {
+            result.Le = Le_triangle(packed, light, barycentrics);
+        }
+        return result;
+    }
+    result.Le = irradiance_punctual(light, result.wi, distance);
+    result.pdf = f64::from(light.weight) / total;
+    result.delta = 1;
+    result
+}
+
+/// Density per solid angle, choice included, with which `light_sample` takes direction d to the
+/// environment.
+pub fn light_pdf_environment(packed: &Packed, d: DVec3) -> f64 {
+    if packed.frame.light_weight_total <= 0.0 {
+        return 0.0;
+    }
+    environment_pdf(packed, d)
+        * (f64::from(packed.frame.environment_weight) / f64::from(packed.frame.light_weight_total))
+}
