@@ -10,8 +10,9 @@ const LN_2_LOW: f32 = -2.12194440e-4;
 const PI_2_HIGH: f32 = 1.5703125;   // pi / 2 in three parts, the first two short
 const PI_2_MIDDLE: f32 = 4.837512969970703e-4;
 const PI_2_LOW: f32 = 7.54978995489188e-8;
+const FIXED_ONE: f32 = 65536.0;     // where squares_minus_one cuts: 16 bits before the point, 16 behind
 
-// A right-handed orthonormal frame: tangent, bitangent, normal.
+// An orthonormal frame: tangent, bitangent, normal.
 struct Basis {
     t: vec3<f32>,
     b: vec3<f32>,
@@ -91,30 +92,24 @@ fn two_product(a: f32, b: f32) -> vec2<f32> {
     return vec2(p, ((ah * bh - p) + ah * bl + al * bh) + al * bl);
 }
 
-// a + b as (rounded sum, its rounding error).
-fn two_sum(a: f32, b: f32) -> vec2<f32> {
-    // Knuth, "The Art of Computer Programming", volume 2, 4.2.2, theorem B.
-    let s = a + b;
-    let bb = s - a;
-    return vec2(s, (a - (s - bb)) + (b - bb));
-}
-
-// a * b + c, rounded about once.
+// a * b + c, rounded about once: where product and c cancel, their difference is exact.
 fn product_sum(a: f32, b: f32, c: f32) -> f32 {
     let p = two_product(a, b);
-    let s = two_sum(p.x, c);
-    return s.x + (s.y + p.y);
+    return (p.x + c) + p.y;
 }
 
-// a^2 + b^2 - c^2 - 1, rounded about once however much it cancels.
+// a^2 + b^2 - c^2 - 1 to 1e-7 of itself, or to 1e-11 where it cancels to less.
 fn squares_minus_one(a: f32, b: f32, c: f32) -> f32 {
     let aa = two_product(a, a);
     let bb = two_product(b, b);
     let cc = two_product(c, c);
-    let s1 = two_sum(aa.x, -1.0);
-    let s2 = two_sum(bb.x, -cc.x);
-    let s = two_sum(s1.x, s2.x);
-    return s.x + (s.y + s1.y + s2.y + aa.y + bb.y - cc.y);
+    // Cut at a fixed place, the high parts sum exactly and the low parts to very little. Knuth's exact
+    // sum is no help here: drivers simplify (a + b) - a to b.
+    let squares = vec3(aa.x, bb.x, cc.x);
+    let high = floor(squares * FIXED_ONE) / FIXED_ONE;
+    let low = squares - high;
+    let low_sum = (low.x + low.y - low.z) + (aa.y + bb.y - cc.y);
+    return (high.x - 1.0 + high.y - high.z) + low_sum;
 }
 
 // e^x; 0 below the smallest normal number, the largest finite number above it.
@@ -189,8 +184,7 @@ fn log1p_accurate(x: f32) -> f32 {
     if x > -0.29 && x < 0.41 {
         return log1p_reduced(x);
     }
-    let u = 1.0 + x;
-    return log_accurate(u) + (x - (u - 1.0)) / u;
+    return log_accurate(1.0 + x);
 }
 
 // x^y for x >= 0.

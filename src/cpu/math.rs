@@ -7,7 +7,9 @@ pub use std::f64::consts::PI;
 pub const INV_PI: f64 = std::f64::consts::FRAC_1_PI;
 pub const SQRT_PI: f64 = 1.772_453_850_905_516;
 
-/// A right-handed orthonormal frame: tangent, bitangent, normal.
+const FIXED_ONE: f64 = 16_777_216.0; // where squares_minus_one cuts
+
+/// An orthonormal frame: tangent, bitangent, normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basis {
     pub t: DVec3,
@@ -81,30 +83,23 @@ pub fn two_product(a: f64, b: f64) -> DVec2 {
     DVec2::new(p, a.mul_add(b, -p))
 }
 
-/// a + b as (rounded sum, its rounding error).
-pub fn two_sum(a: f64, b: f64) -> DVec2 {
-    // Knuth, "The Art of Computer Programming", volume 2, 4.2.2, theorem B.
-    let s = a + b;
-    let bb = s - a;
-    DVec2::new(s, (a - (s - bb)) + (b - bb))
-}
-
-/// a * b + c, rounded about once.
+/// a * b + c, rounded about once: where product and c cancel, their difference is exact.
 pub fn product_sum(a: f64, b: f64, c: f64) -> f64 {
     let p = two_product(a, b);
-    let s = two_sum(p.x, c);
-    s.x + (s.y + p.y)
+    (p.x + c) + p.y
 }
 
-/// a^2 + b^2 - c^2 - 1, rounded about once however much it cancels.
+/// a^2 + b^2 - c^2 - 1 to 1e-15 of itself, or to 1e-19 where it cancels to less.
 pub fn squares_minus_one(a: f64, b: f64, c: f64) -> f64 {
     let aa = two_product(a, a);
     let bb = two_product(b, b);
     let cc = two_product(c, c);
-    let s1 = two_sum(aa.x, -1.0);
-    let s2 = two_sum(bb.x, -cc.x);
-    let s = two_sum(s1.x, s2.x);
-    s.x + (s.y + s1.y + s2.y + aa.y + bb.y - cc.y)
+    // Cut at a fixed place, the high parts sum exactly and the low parts to very little.
+    let squares = DVec3::new(aa.x, bb.x, cc.x);
+    let high = (squares * FIXED_ONE).floor() / FIXED_ONE;
+    let low = squares - high;
+    let low_sum = (low.x + low.y - low.z) + (aa.y + bb.y - cc.y);
+    (high.x - 1.0 + high.y - high.z) + low_sum
 }
 
 pub fn exp_accurate(x: f64) -> f64 {

@@ -8,6 +8,7 @@
 )]
 
 pub mod attributes;
+pub mod bsdf;
 pub mod camera;
 pub mod intersect;
 pub mod light;

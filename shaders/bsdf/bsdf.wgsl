@@ -1,0 +1,123 @@
+// Any reflection model: what it reflects and transmits, and how it is sampled.
+//
+// wo and wi are in the local frame. A wo below the surface is the mirror image of one above it, with
+// wi mirrored too; eta of a dielectric is always the far side's index over the near side's, seen from wo.
+
+import package::shared::{Bsdf, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION, BSDF_DIELECTRIC, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_METALLIC_ROUGHNESS};
+import package::sample::{sample_cosine_hemisphere, pdf_cosine_hemisphere};
+import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of, is_reflected, mirrored, MIN_COS};
+import package::bsdf::specular::{specular_reflection_sample, specular_transmission_sample};
+import package::bsdf::lambertian::{f_lambertian};
+import package::bsdf::oren_nayar::{f_oren_nayar, f_oren_nayar_eon};
+import package::bsdf::distribution::{is_smooth};
+import package::bsdf::torrance_sparrow::{torrance_sparrow_eval, torrance_sparrow_sample};
+import package::bsdf::dielectric::{is_smooth_dielectric, smooth_dielectric_sample, rough_dielectric_eval, rough_dielectric_sample};
+import package::bsdf::metallic_roughness::{metallic_roughness_eval, metallic_roughness_sample};
+
+// Whether the model has nothing but deltas, so that no light can be sampled for it.
+fn bsdf_is_delta(bsdf: Bsdf) -> bool {
+    switch bsdf.model {
+        case BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION, BSDF_DIELECTRIC: {
+            return true;
+        }
+        case BSDF_ROUGH_DIELECTRIC: {
+            return is_smooth_dielectric(bsdf);
+        }
+        case BSDF_TORRANCE_SPARROW: {
+            return is_smooth(bsdf);
+        }
+        default: {
+            return false;
+        }
+    }
+}
+
+// A diffuse model's answer.
+fn diffuse_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
+    if !is_reflected(wo, wi) {
+        return no_eval();
+    }
+    var f = f_lambertian(bsdf.reflectance);
+    if bsdf.model == BSDF_OREN_NAYAR {
+        f = f_oren_nayar(bsdf.reflectance, bsdf.roughness, wo, wi);
+    } else if bsdf.model == BSDF_OREN_NAYAR_EON {
+        f = f_oren_nayar_eon(bsdf.reflectance, bsdf.roughness, wo, wi);
+    }
+    return BsdfEval(f, pdf_cosine_hemisphere(wi.z));
+}
+
+// f and the density with which bsdf_sample finds wi, deltas left out: both 0 for pure deltas.
+fn bsdf_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
+    if wo.z < 0.0 {
+        return bsdf_eval_above(bsdf, mirrored(wo), mirrored(wi));
+    }
+    return bsdf_eval_above(bsdf, wo, wi);
+}
+
+fn bsdf_eval_above(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
+    if bsdf_is_delta(bsdf) {
+        return no_eval();
+    }
+    switch bsdf.model {
+        case BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON: {
+            return diffuse_eval(bsdf, wo, wi);
+        }
+        case BSDF_ROUGH_DIELECTRIC: {
+            return rough_dielectric_eval(bsdf, wo, wi);
+        }
+        case BSDF_TORRANCE_SPARROW: {
+            return torrance_sparrow_eval(bsdf, wo, wi);
+        }
+        case BSDF_METALLIC_ROUGHNESS: {
+            return metallic_roughness_eval(bsdf, wo, wi);
+        }
+        default: { // BSDF_UNLIT
+            return no_eval();
+        }
+    }
+}
+
+// A direction of light for wo: u.x picks the lobe, u.yz the direction in it.
+fn bsdf_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
+    if wo.z < 0.0 {
+        let below = bsdf_sample_above(bsdf, mirrored(wo), u);
+        return BsdfSample(mirrored(below.wi), below.f, below.pdf, below.delta);
+    }
+    return bsdf_sample_above(bsdf, wo, u);
+}
+
+fn bsdf_sample_above(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
+    switch bsdf.model {
+        case BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON: {
+            let wi = sample_cosine_hemisphere(u.yz);
+            return sample_of(wi, diffuse_eval(bsdf, wo, wi));
+        }
+        case BSDF_SPECULAR_REFLECTION: {
+            return specular_reflection_sample(bsdf, wo);
+        }
+        case BSDF_SPECULAR_TRANSMISSION: {
+            return specular_transmission_sample(bsdf, wo);
+        }
+        case BSDF_DIELECTRIC: {
+            return smooth_dielectric_sample(bsdf, wo, u.x);
+        }
+        case BSDF_ROUGH_DIELECTRIC: {
+            if is_smooth_dielectric(bsdf) {
+                return smooth_dielectric_sample(bsdf, wo, u.x);
+            }
+            return rough_dielectric_sample(bsdf, wo, u);
+        }
+        case BSDF_TORRANCE_SPARROW: {
+            if is_smooth(bsdf) {
+                return specular_reflection_sample(bsdf, wo);
+            }
+            return torrance_sparrow_sample(bsdf, wo, u.yz);
+        }
+        case BSDF_METALLIC_ROUGHNESS: {
+            return metallic_roughness_sample(bsdf, wo, u);
+        }
+        default: { // BSDF_UNLIT
+            return no_sample();
+        }
+    }
+}

@@ -1,0 +1,76 @@
+// Facet normals drawn as often as a viewer sees them, with density G1(wo) D(wm) (wo . wm) / cos theta_o.
+
+import package::math::{PI, SQRT_PI, sqr, exp_accurate, erfc_accurate, sincos_accurate, normal_quantile, normalize_accurate};
+
+// Beckmann slopes beyond this are rarer than float32's smallest u.
+const SLOPE_FAR: f32 = 6.0;
+// The search for a slope ends when a step is smaller than this, or after so many steps.
+const SLOPE_TOLERANCE: f32 = 1e-7;
+const SLOPE_STEPS: i32 = 32;
+
+// The view in the space where the surface has roughness 1.
+fn stretched_view(wo: vec3<f32>, alpha: vec2<f32>) -> vec3<f32> {
+    return normalize_accurate(vec3(alpha * wo.xy, wo.z));
+}
+
+fn sample_visible_ggx(wo: vec3<f32>, alpha: vec2<f32>, u: vec2<f32>) -> vec3<f32> {
+    // Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps", listing 3: in that
+    // space the reflected directions are uniform over the cap z > -view.z.
+    let view = stretched_view(wo, alpha);
+    let turn = sincos_accurate(2.0 * PI * u.x);
+    // z = (1 - u) (1 + view.z) - view.z; 1 - z, 1 + z and z + view.z without cancellation.
+    let width = 1.0 + view.z;
+    let sin = sqrt(u.y * width * ((1.0 - view.z) + (1.0 - u.y) * width));
+    let sum = vec3(sin * turn.y + view.x, sin * turn.x + view.y, (1.0 - u.y) * width);
+    return normalize_accurate(vec3(alpha * sum.xy, sum.z));
+}
+
+// Probability that a visible Beckmann slope along the view is below x, times a constant.
+fn visible_slope_mass(x: f32, view_cos: f32, view_sin: f32) -> f32 {
+    // The integral of (cos - s sin) e^(-s^2) / sqrt(pi) over s up to x.
+    return view_cos * 0.5 * erfc_accurate(-x) + view_sin * exp_accurate(-x * x) / (2.0 * SQRT_PI);
+}
+
+// The slope below which the share u of all visible Beckmann slopes lies, roughness 1.
+fn visible_slope(view_cos: f32, view_sin: f32, u: f32) -> f32 {
+    // Heitz and d'Eon 2014, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible
+    // Normals", in the plane of the view; inverted by Newton's method kept inside a bracket.
+    var low = -SLOPE_FAR;
+    var high = SLOPE_FAR;
+    if view_cos < SLOPE_FAR * view_sin {
+        high = view_cos / view_sin;
+    }
+    let goal = max(u, 1.4901161e-8) * visible_slope_mass(high, view_cos, view_sin);
+    var x = min(0.0, 0.5 * (low + high));
+    for (var i = 0; i < SLOPE_STEPS; i++) {
+        let excess = visible_slope_mass(x, view_cos, view_sin) - goal;
+        if excess > 0.0 {
+            high = x;
+        } else {
+            low = x;
+        }
+        let density = (view_cos - x * view_sin) * exp_accurate(-x * x) / SQRT_PI;
+        var next = 0.5 * (low + high);
+        if abs(excess) < density * (high - low) {
+            next = clamp(x - excess / density, low, high);
+        }
+        let moved = abs(next - x);
+        x = next;
+        if moved <= SLOPE_TOLERANCE {
+            break;
+        }
+    }
+    return x;
+}
+
+fn sample_visible_beckmann(wo: vec3<f32>, alpha: vec2<f32>, u: vec2<f32>) -> vec3<f32> {
+    let view = stretched_view(wo, alpha);
+    let view_sin = sqrt(sqr(view.x) + sqr(view.y));
+    var along = vec2(1.0, 0.0);
+    if view_sin > 0.0 {
+        along = view.xy / view_sin;
+    }
+    let slope = vec2(visible_slope(view.z, view_sin, u.x), normal_quantile(u.y));
+    let turned = vec2(along.x * slope.x - along.y * slope.y, along.y * slope.x + along.x * slope.y);
+    return normalize_accurate(vec3(-alpha * turned, 1.0));
+}

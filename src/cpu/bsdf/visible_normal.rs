@@ -1,0 +1,87 @@
+//! Facet normals drawn as often as a viewer sees them, with density G1(wo) D(wm) (wo . wm) / cos theta_o.
+
+use crate::cpu::math::{
+    PI, SQRT_PI, erfc_accurate, exp_accurate, normal_quantile, normalize_accurate, sincos_accurate,
+    sqr,
+};
+use glam::{DVec2, DVec3};
+
+/// Beckmann slopes beyond this are rarer than float32's smallest u.
+pub const SLOPE_FAR: f64 = 6.0;
+/// The search for a slope ends when a step is smaller than this, or after so many steps.
+pub const SLOPE_TOLERANCE: f64 = 1e-13;
+pub const SLOPE_STEPS: i32 = 64;
+
+/// The view in the space where the surface has roughness 1.
+pub fn stretched_view(wo: DVec3, alpha: DVec2) -> DVec3 {
+    normalize_accurate((alpha * wo.truncate()).extend(wo.z))
+}
+
+pub fn sample_visible_ggx(wo: DVec3, alpha: DVec2, u: DVec2) -> DVec3 {
+    // Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps", listing 3: in that
+    // space the reflected directions are uniform over the cap z > -view.z.
+    let view = stretched_view(wo, alpha);
+    let turn = sincos_accurate(2.0 * PI * u.x);
+    // z = (1 - u) (1 + view.z) - view.z; 1 - z, 1 + z and z + view.z without cancellation.
+    let width = 1.0 + view.z;
+    let sin = (u.y * width * ((1.0 - view.z) + (1.0 - u.y) * width)).sqrt();
+    let sum = DVec3::new(
+        sin * turn.y + view.x,
+        sin * turn.x + view.y,
+        (1.0 - u.y) * width,
+    );
+    normalize_accurate((alpha * sum.truncate()).extend(sum.z))
+}
+
+/// Probability that a visible Beckmann slope along the view is below x, times a constant.
+pub fn visible_slope_mass(x: f64, view_cos: f64, view_sin: f64) -> f64 {
+    // The integral of (cos - s sin) e^(-s^2) / sqrt(pi) over s up to x.
+    view_cos * 0.5 * erfc_accurate(-x) + view_sin * exp_accurate(-x * x) / (2.0 * SQRT_PI)
+}
+
+/// The slope below which the share u of all visible Beckmann slopes lies, roughness 1.
+pub fn visible_slope(view_cos: f64, view_sin: f64, u: f64) -> f64 {
+    // Heitz and d'Eon 2014, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible
+    // Normals", in the plane of the view; inverted by Newton's method kept inside a bracket.
+    let mut low = -SLOPE_FAR;
+    let mut high = SLOPE_FAR;
+    if view_cos < SLOPE_FAR * view_sin {
+        high = view_cos / view_sin;
+    }
+    let goal = u.max(1.490_116_119_384_765_6e-8) * visible_slope_mass(high, view_cos, view_sin);
+    let mut x = (0.5 * (low + high)).min(0.0);
+    for _ in 0..SLOPE_STEPS {
+        let excess = visible_slope_mass(x, view_cos, view_sin) - goal;
+        if excess > 0.0 {
+            high = x;
+        } else {
+            low = x;
+        }
+        let density = (view_cos - x * view_sin) * exp_accurate(-x * x) / SQRT_PI;
+        let mut next = 0.5 * (low + high);
+        if excess.abs() < density * (high - low) {
+            next = (x - excess / density).clamp(low, high);
+        }
+        let moved = (next - x).abs();
+        x = next;
+        if moved <= SLOPE_TOLERANCE {
+            break;
+        }
+    }
+    x
+}
+
+pub fn sample_visible_beckmann(wo: DVec3, alpha: DVec2, u: DVec2) -> DVec3 {
+    let view = stretched_view(wo, alpha);
+    let view_sin = (sqr(view.x) + sqr(view.y)).sqrt();
+    let mut along = DVec2::new(1.0, 0.0);
+    if view_sin > 0.0 {
+        along = view.truncate() / view_sin;
+    }
+    let slope = DVec2::new(visible_slope(view.z, view_sin, u.x), normal_quantile(u.y));
+    let turned = DVec2::new(
+        along.x * slope.x - along.y * slope.y,
+        along.y * slope.x + along.x * slope.y,
+    );
+    normalize_accurate((-alpha * turned).extend(1.0))
+}
