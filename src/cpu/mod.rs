@@ -7,14 +7,18 @@
     reason = "functions are named by the field's letters: D, G1, F, Le"
 )]
 
+pub mod alpha;
 pub mod attributes;
 pub mod bsdf;
+pub mod bvh;
 pub mod camera;
 pub mod intersect;
 pub mod light;
+pub mod material;
 pub mod math;
 pub mod ray;
 pub mod rng;
 pub mod sample;
 pub mod sobol;
+pub mod surface;
 pub mod texture;

@@ -12,6 +12,7 @@ macro_rules! modules {
 /// Every shader file: modules that others import, and the kernels that import them.
 #[rustfmt::skip]
 pub const MODULES: &[Module] = modules![
+    "alpha",
     "attributes",
     "bindings",
     "bsdf/bsdf",
@@ -26,18 +27,21 @@ pub const MODULES: &[Module] = modules![
     "bsdf/specular",
     "bsdf/torrance_sparrow",
     "bsdf/visible_normal",
+    "bvh",
     "camera",
     "intersect",
     "light/environment",
     "light/light",
     "light/punctual",
     "light/triangle",
+    "material",
     "math",
     "ray",
     "rng",
     "sample",
     "shared",
     "sobol",
+    "surface",
     "texture",
 ];
 

@@ -2,23 +2,24 @@
 
 pub mod camera;
 pub mod environment;
+pub mod geometry;
 pub mod lights;
 pub mod material;
 pub mod mesh;
 pub mod model;
 pub mod texture;
 
-use crate::bvh::{self, Bounds};
+use crate::bvh::Bounds;
 use crate::scene::{self, Scene};
 use crate::shared::{
-    BACKGROUND_COLOR, BACKGROUND_ENVIRONMENT, BACKGROUND_TRANSPARENT, Frame, INSTANCE_FLIPPED,
-    Instance, Light, MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, Material, NONE, Tables, Triangle,
+    BACKGROUND_COLOR, BACKGROUND_ENVIRONMENT, BACKGROUND_TRANSPARENT, Frame, Instance, Light,
+    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_EMISSIVE, Material, NONE, Tables, Triangle,
 };
 use crate::tables::tables;
 use bytemuck::Zeroable;
-use glam::{DAffine3, DVec3, Vec3A};
-use mesh::PackedMesh;
-use rayon::prelude::*;
+use environment::PackedEnvironment;
+use geometry::Geometry;
+use glam::{Vec3, Vec4};
 
 /// Everything a renderer reads, as it goes to the GPU byte for byte.
 #[derive(Clone)]
@@ -94,17 +95,17 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
         .iter()
         .map(|material| material::pack_material(material, &textures))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut meshes = pack_meshes(scene)?;
-    let Geometry {
-        nodes,
-        triangles,
-        vertices,
-        instances,
-        root,
-        bounds,
-    } = assemble(scene, &mut meshes)?;
+    let geometry = geometry::pack_geometry(scene)?;
+    let environment = scene
+        .environment
+        .as_ref()
+        .map(environment::build_environment);
+    let mut lights = gather_lights(scene, &geometry, &materials, environment.as_ref());
+    let lights_len = index("lights", lights.len())?;
+    let weights = lights::build_lights(&mut lights, 0.5 * diagonal(geometry.bounds));
     let alpha = MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND;
-    let has_alpha = triangles
+    let has_alpha = geometry
+        .triangles
         .iter()
         .any(|triangle| materials[triangle.material as usize].flags & alpha != 0);
     let (background_kind, background) = match view.background {
@@ -112,10 +113,12 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
         Background::Color(color) => (BACKGROUND_COLOR, color),
         Background::Transparent => (BACKGROUND_TRANSPARENT, [0.0; 3]),
     };
-    let frame = Frame {
+    let mut frame = Frame {
         camera: camera::pack_camera(&view.camera, view.film_size),
         background,
         background_kind,
+        environment_cos: 1.0,
+        environment_weight: weights.environment,
         film_size: view.film_size,
         tile_size: view.film_size,
         environment_size: [1, 1],
@@ -123,24 +126,82 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
         sample_count: 1,
         seed: view.seed,
         max_depth: view.max_depth,
-        root,
-        ray_offset_floor: ray_offset_floor(bounds),
+        light_count: lights_len,
+        light_weight_total: weights.total,
+        root: geometry.root,
+        ray_offset_floor: RAY_OFFSET_FLOOR * diagonal(geometry.bounds),
         has_alpha: u32::from(has_alpha),
         ..Frame::zeroed()
     };
+    let mut texels_of_environment = vec![[0.0; 4]];
+    let mut cells_of_environment = vec![[1.0, 1.0]; 2];
+    if let (Some(packed), Some(environment)) = (environment, &scene.environment) {
+        frame.environment_strength = environment.strength;
+        frame.environment_cos = environment.rotation.cos();
+        frame.environment_sin = environment.rotation.sin();
+        frame.environment_size = packed.size;
+        frame.environment_cells = packed.cells_size;
+        texels_of_environment = packed.texels;
+        cells_of_environment = packed.cells;
+    }
     Ok(Packed {
         frame,
         tables: tables(),
-        nodes,
-        triangles,
-        instances,
-        vertices,
+        nodes: geometry.nodes,
+        triangles: geometry.triangles,
+        instances: geometry.instances,
+        vertices: geometry.vertices,
         materials,
         texels: textures.texels,
-        lights: Vec::new(),
-        environment: vec![[0.0; 4]],
-        environment_cells: vec![[1.0, 1.0]; 2],
+        lights,
+        environment: texels_of_environment,
+        environment_cells: cells_of_environment,
     })
+}
+
+/// Everything that a path may aim at: punctual lights, the triangles of emissive materials wherever
+/// they are placed, and the environment. Triangles without area send nothing and are left out.
+fn gather_lights(
+    scene: &Scene,
+    geometry: &Geometry,
+    materials: &[Material],
+    environment: Option<&PackedEnvironment>,
+) -> Vec<Light> {
+    let mut all: Vec<Light> = scene.lights.iter().map(lights::punctual_light).collect();
+    for (number, (instance, range)) in geometry.instances.iter().zip(&geometry.ranges).enumerate() {
+        let rows = instance.world_from_object.map(Vec4::from_array);
+        let place = |p: Vec3| {
+            Vec3::from_array(rows.map(|row| row.as_dvec4().dot(p.extend(1.0).as_dvec4()) as f32))
+        };
+        for index in range.clone() {
+            let triangle = &geometry.triangles[index as usize];
+            let material = &materials[triangle.material as usize];
+            if material.flags & MATERIAL_EMISSIVE == 0 {
+                continue;
+            }
+            let p0 = Vec3::from_array(triangle.p0);
+            let corners = [
+                p0,
+                p0 + Vec3::from_array(triangle.e1),
+                p0 + Vec3::from_array(triangle.e2),
+            ];
+            let light = lights::triangle_light(
+                corners.map(place),
+                material.emissive,
+                material.emission_weight,
+                index,
+                number as u32,
+            );
+            all.extend((light.weight > 0.0).then_some(light));
+        }
+    }
+    if let (Some(packed), Some(environment)) = (environment, &scene.environment) {
+        let mean_luminance = packed.mean_luminance * environment.strength;
+        if mean_luminance > 0.0 {
+            all.push(lights::environment_light(mean_luminance));
+        }
+    }
+    all
 }
 
 /// `count` as an index of 32 bits that is not `NONE`.
@@ -167,155 +228,14 @@ fn check_extent(bounds: Bounds, what: impl Fn() -> String) -> Result<(), PackErr
     }
 }
 
-/// Packs the meshes that some instance places, by the scene's numbers; others stay `None`.
-fn pack_meshes(scene: &Scene) -> Result<Vec<Option<PackedMesh>>, PackError> {
-    let mut used = vec![false; scene.meshes.len()];
-    for instance in &scene.instances {
-        used[instance.mesh] = true;
-    }
-    scene
-        .meshes
-        .par_iter()
-        .zip(used)
-        .map(|(mesh, used)| {
-            if used {
-                mesh::pack_mesh(mesh, &scene.materials)
-            } else {
-                Ok(None)
-            }
-        })
-        .collect()
-}
-
-struct Geometry {
-    nodes: Vec<[u32; 4]>,
-    triangles: Vec<Triangle>,
-    vertices: Vec<f32>,
-    instances: Vec<Instance>,
-    root: u32,
-    bounds: Bounds,
-}
-
-/// Puts the meshes one after the other, behind the top-level hierarchy over their instances.
-fn assemble(scene: &Scene, meshes: &mut [Option<PackedMesh>]) -> Result<Geometry, PackError> {
-    let mut placed = Vec::new();
-    let mut boxes = Vec::new();
-    for instance in &scene.instances {
-        let Some(mesh) = &meshes[instance.mesh] else {
-            continue;
-        };
-        let world_from_object = DAffine3 {
-            matrix3: instance.world_from_object.matrix3.as_dmat3(),
-            translation: instance.world_from_object.translation.as_dvec3(),
-        };
-        let object_from_world = world_from_object.inverse();
-        if !object_from_world.is_finite() {
-            continue;
-        }
-        let bounds = transform_bounds(world_from_object, mesh.bounds);
-        check_extent(bounds, || format!("node \"{}\"", instance.name))?;
-        placed.push((instance, world_from_object, object_from_world));
-        boxes.push(bounds);
-    }
-    let bounds = boxes.iter().fold(Bounds::EMPTY, |all, &one| all.union(one));
-    let Some(top) = bvh::build(&boxes) else {
-        return Ok(Geometry {
-            nodes: Vec::new(),
-            triangles: Vec::new(),
-            vertices: Vec::new(),
-            instances: Vec::new(),
-            root: NONE,
-            bounds,
-        });
-    };
-    let mut nodes = top.nodes;
-    let mut triangles = Vec::new();
-    let mut vertices = Vec::new();
-    let mut starts = vec![(NONE, NONE); meshes.len()];
-    for (mesh, start) in meshes.iter_mut().zip(&mut starts) {
-        let Some(mut mesh) = mesh.take() else {
-            continue;
-        };
-        let first_node = index("nodes", nodes.len())? / bvh::NODE_WORDS as u32;
-        let first_triangle = index("triangles", triangles.len())?;
-        let first_word = index("vertex attributes", vertices.len())?;
-        index("vertex attributes", vertices.len() + mesh.vertices.len())?;
-        bvh::rebase(&mut mesh.hierarchy.nodes, first_node);
-        for triangle in &mut mesh.triangles {
-            triangle.vertex0 += first_word;
-            triangle.vertex1 += first_word;
-            triangle.vertex2 += first_word;
-        }
-        nodes.append(&mut mesh.hierarchy.nodes);
-        triangles.append(&mut mesh.triangles);
-        vertices.append(&mut mesh.vertices);
-        *start = (first_node, first_triangle);
-    }
-    index("nodes", nodes.len())?;
-    index("triangles", triangles.len())?;
-    let instances = top
-        .order
-        .iter()
-        .map(|&leaf| {
-            let (instance, world_from_object, object_from_world) = placed[leaf as usize];
-            let (root, first_triangle) = starts[instance.mesh];
-            let flipped = world_from_object.matrix3.determinant() < 0.0;
-            Instance {
-                world_from_object: rows(world_from_object),
-                object_from_world: rows(object_from_world),
-                root,
-                first_triangle,
-                flags: if flipped { INSTANCE_FLIPPED } else { 0 },
-                object: instance.node as u32,
-            }
-        })
-        .collect();
-    Ok(Geometry {
-        nodes,
-        triangles,
-        vertices,
-        instances,
-        root: 0,
-        bounds,
-    })
-}
-
-fn rows(transform: DAffine3) -> [[f32; 4]; 3] {
-    let columns = transform.matrix3.to_cols_array_2d();
-    [0, 1, 2].map(|row| {
-        [
-            columns[0][row] as f32,
-            columns[1][row] as f32,
-            columns[2][row] as f32,
-            transform.translation[row] as f32,
-        ]
-    })
-}
-
-/// A box around the transformed box, rounded outwards.
-///
-/// Arvo 1990, "Transforming Axis-Aligned Bounding Boxes": per axis the sum of the smaller and of the
-/// larger products.
-fn transform_bounds(transform: DAffine3, bounds: Bounds) -> Bounds {
-    let center = 0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3());
-    let half = 0.5 * (bounds.max.as_dvec3() - bounds.min.as_dvec3());
-    let reach: DVec3 = transform.matrix3.x_axis.abs() * half.x
-        + transform.matrix3.y_axis.abs() * half.y
-        + transform.matrix3.z_axis.abs() * half.z;
-    let center = transform.transform_point3(center);
-    let round =
-        |v: DVec3, to: fn(f32) -> f32| Vec3A::new(to(v.x as f32), to(v.y as f32), to(v.z as f32));
-    Bounds {
-        min: round(center - reach, f32::next_down),
-        max: round(center + reach, f32::next_up),
-    }
-}
-
 /// The least distance by which a ray starts off a surface, for points whose own error along the
-/// normal is zero: 2^-28 of the scene's diagonal, which single precision takes for nothing.
-fn ray_offset_floor(bounds: Bounds) -> f32 {
+/// normal is zero, as part of the scene's diagonal: 2^-28, which single precision takes for nothing.
+const RAY_OFFSET_FLOOR: f32 = 3.725_290_3e-9;
+
+/// Metres; 0 for nothing.
+fn diagonal(bounds: Bounds) -> f32 {
     if bounds == Bounds::EMPTY {
         return 0.0;
     }
-    (bounds.max - bounds.min).length() * 2.0_f32.powi(-28)
+    (bounds.max - bounds.min).length()
 }

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test file uses a part of this")]
 #![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
 
+pub mod shapes;
+
 use snell::gpu::device::{Gpu, open};
 use snell::gpu::kernel::Kernel;
 use snell::gpu::link::link_text;

@@ -1,0 +1,48 @@
+// Which hits count: culling of back faces, alpha masks and alpha blending, decided while tracing.
+
+import package::shared::{MATERIAL_DOUBLE_SIDED, MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND, MATERIAL_TRANSMISSIVE};
+import package::bindings::{frame, triangles, materials};
+import package::attributes::{attribute_color, attribute_texcoord};
+import package::texture::{texture_sample};
+import package::rng::{hash_combine, unit_from_bits};
+
+// Whether the surface is there at this point, seen from its front or its back.
+fn is_visible(
+    triangle_index: u32, instance_index: u32, barycentrics: vec2<f32>, front: bool, alpha_seed: u32,
+) -> bool {
+    if front && frame.has_alpha == 0u {
+        return true;
+    }
+    let material_index = triangles[triangle_index].material;
+    let flags = materials[material_index].flags;
+    // glTF 2.0 section 3.9.6: back faces are culled unless double-sided. What light goes through has
+    // to be met from inside as well.
+    if !front && (flags & (MATERIAL_DOUBLE_SIDED | MATERIAL_TRANSMISSIVE)) == 0u {
+        return false;
+    }
+    if (flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0u {
+        return true;
+    }
+    let alpha = alpha_at(triangle_index, barycentrics);
+    if (flags & MATERIAL_ALPHA_MASK) != 0u {
+        return alpha >= materials[material_index].alpha_cutoff;
+    }
+    return alpha_threshold(triangle_index, instance_index, alpha_seed) < alpha;
+}
+
+// Base colour's alpha: factor, texture and vertex colour (glTF 2.0 sections 3.9.4 and 3.9.2).
+fn alpha_at(triangle_index: u32, barycentrics: vec2<f32>) -> f32 {
+    let triangle = triangles[triangle_index];
+    let texture = materials[triangle.material].base_color_texture;
+    let uv = attribute_texcoord(triangle, barycentrics, texture.texcoord);
+    return materials[triangle.material].base_color.a
+        * texture_sample(texture, uv).a
+        * attribute_color(triangle, barycentrics).a;
+}
+
+// A number in [0, 1) that a blended surface's alpha has to exceed. One for each ray and triangle, so
+// that the many rays of a pixel see it with probability alpha.
+fn alpha_threshold(triangle_index: u32, instance_index: u32, alpha_seed: u32) -> f32 {
+    let hash = hash_combine(hash_combine(alpha_seed, triangle_index), instance_index);
+    return unit_from_bits(hash);
+}

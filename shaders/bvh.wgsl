@@ -1,0 +1,110 @@
+// Tracing rays through the two levels of hierarchies: instances, and the triangles of their meshes.
+
+import package::shared::{NONE};
+import package::bindings::{frame, triangles, instances};
+import package::ray::{Ray, Hit};
+import package::intersect::{local_ray, intersect_node, intersect_triangle};
+import package::alpha::{is_visible};
+
+// Entries of the stack; the host builds no hierarchies that need more (src/bvh.rs).
+const STACK_SIZE: u32 = 32u;
+
+// The nearest visible hit.
+fn trace_closest(ray: Ray, alpha_seed: u32) -> Hit {
+    return trace(ray, alpha_seed, false);
+}
+
+// Whether anything visible is hit.
+fn trace_any(ray: Ray, alpha_seed: u32) -> bool {
+    return trace(ray, alpha_seed, true).instance != NONE;
+}
+
+// The nearest visible hit, or the first that is found. In a miss, `t` is the ray's t_max.
+//
+// Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+// BVHs", algorithm 1, for both levels in one loop. A group is the index of a first child and a mask:
+// inner children in bits 24 to 31 (bits 0 to 7 then tell which slots are inner ones), or primitives
+// in bits 0 to 23.
+fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
+    var hit = Hit(ray.t_max, 0.0, 0.0, NONE, NONE);
+    if frame.root == NONE {
+        return hit;
+    }
+    var stack: array<vec2<u32>, STACK_SIZE>;
+    var stack_size = 0u;
+    var mesh_floor = NONE; // stack size at which the mesh is done; NONE: at the top level
+    var instance = NONE;
+    var first_triangle = 0u;
+    var local = local_ray(ray.origin, ray.direction);
+    var inner = vec2<u32>(frame.root, 0x80000000u);
+    loop {
+        var leaves = vec2<u32>(0u);
+        if inner.y > 0x00ffffffu {
+            let place = firstLeadingBit(inner.y);
+            let slot = (place - 24u) ^ local.octant;
+            let child = inner.x + countOneBits(inner.y & 0xffu & ~(0xffffffffu << slot));
+            inner.y &= ~(1u << place);
+            if inner.y > 0x00ffffffu {
+                stack[stack_size] = inner;
+                stack_size += 1u;
+            }
+            let met = intersect_node(local, ray.t_min, hit.t, child);
+            inner = met.inner;
+            leaves = met.leaves;
+        } else {
+            leaves = inner;
+            inner = vec2<u32>(0u);
+        }
+        if mesh_floor == NONE {
+            if leaves.y != 0u {
+                // Into an instance; what is left here waits on the stack.
+                let place = firstLeadingBit(leaves.y);
+                leaves.y &= ~(1u << place);
+                if inner.y > 0x00ffffffu {
+                    stack[stack_size] = inner;
+                    stack_size += 1u;
+                }
+                if leaves.y != 0u {
+                    stack[stack_size] = leaves;
+                    stack_size += 1u;
+                }
+                mesh_floor = stack_size;
+                instance = leaves.x + place;
+                let rows = instances[instance].object_from_world;
+                let origin = vec4<f32>(ray.origin, 1.0);
+                local = local_ray(
+                    vec3<f32>(dot(rows[0], origin), dot(rows[1], origin), dot(rows[2], origin)),
+                    vec3<f32>(dot(rows[0].xyz, ray.direction), dot(rows[1].xyz, ray.direction), dot(rows[2].xyz, ray.direction)));
+                first_triangle = instances[instance].first_triangle;
+                inner = vec2<u32>(instances[instance].root, 0x80000000u);
+            }
+        } else {
+            while leaves.y != 0u {
+                let place = firstLeadingBit(leaves.y);
+                leaves.y &= ~(1u << place);
+                let index = first_triangle + leaves.x + place;
+                let found = intersect_triangle(local, triangles[index]);
+                if found.hit != 0u && found.t > ray.t_min && found.t < hit.t {
+                    if is_visible(index, instance, vec2<f32>(found.u, found.v), found.front != 0u, alpha_seed) {
+                        hit = Hit(found.t, found.u, found.v, instance, index);
+                        if any {
+                            return hit;
+                        }
+                    }
+                }
+            }
+        }
+        if inner.y <= 0x00ffffffu {
+            if stack_size == 0u {
+                break;
+            }
+            if stack_size == mesh_floor {
+                mesh_floor = NONE;
+                local = local_ray(ray.origin, ray.direction);
+            }
+            stack_size -= 1u;
+            inner = stack[stack_size];
+        }
+    }
+    return hit;
+}

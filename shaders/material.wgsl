@@ -1,0 +1,60 @@
+// What a material is at one point of a surface: its reflection model after texturing, its emission.
+
+import package::shared::{Material, Bsdf, Texture, BSDF_METALLIC_ROUGHNESS, BSDF_UNLIT, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE};
+import package::math::{sqr};
+import package::surface::{Surface, texcoord};
+import package::texture::{texture_sample};
+
+// A texture of the material at the surface.
+fn texture_at(texture: Texture, surface: Surface) -> vec4<f32> {
+    return texture_sample(texture, texcoord(surface, texture.texcoord));
+}
+
+// Base colour: factor, texture and vertex colour (glTF 2.0 section 3.9.2).
+fn base_color_at(material: Material, surface: Surface) -> vec4<f32> {
+    return material.base_color * texture_at(material.base_color_texture, surface) * surface.color;
+}
+
+// The reflection model in the surface's shading frame.
+fn bsdf_at(material: Material, surface: Surface) -> Bsdf {
+    let base_color = base_color_at(material, surface).rgb;
+    let metallic_roughness = texture_at(material.metallic_roughness_texture, surface);
+    let roughness = material.roughness * metallic_roughness.g;
+    let metallic = material.metallic * metallic_roughness.b;
+    return bsdf_of(material, base_color, metallic, roughness, surface.front != 0u);
+}
+
+// The same for given values of what textures vary.
+fn bsdf_of(material: Material, base_color: vec3<f32>, metallic: f32, roughness: f32, front: bool) -> Bsdf {
+    var bsdf = Bsdf(
+        base_color, material.model, material.eta, material.fresnel, material.k, material.distribution,
+        material.alpha, material.roughness, material.masking);
+    if material.model == BSDF_METALLIC_ROUGHNESS {
+        // glTF 2.0 appendix B.3: a dielectric and a metal, mixed. Schlick's F0 of the dielectric part
+        // (KHR_materials_ior) goes along in k.x.
+        let dielectric_F0 = sqr((material.ior - 1.0) / (material.ior + 1.0));
+        bsdf.reflectance = base_color * (1.0 - metallic);
+        bsdf.eta = mix(vec3<f32>(dielectric_F0), base_color, metallic);
+        bsdf.k = vec3<f32>(dielectric_F0, 0.0, 0.0);
+        bsdf.alpha = vec2<f32>(sqr(roughness));
+        bsdf.roughness = roughness;
+    } else if material.model == BSDF_UNLIT {
+        bsdf.reflectance = vec3<f32>(0.0);
+    } else if !front && (material.flags & MATERIAL_TRANSMISSIVE) != 0u {
+        // The far side is outside.
+        bsdf.eta = 1.0 / material.eta;
+    }
+    return bsdf;
+}
+
+// Radiance that the surface emits towards wo.
+fn Le_surface(material: Material, surface: Surface) -> vec3<f32> {
+    if material.model == BSDF_UNLIT {
+        return base_color_at(material, surface).rgb;
+    }
+    // One-sided like the surface itself; a transmissive one is seen from behind and stays dark there.
+    if surface.front == 0u && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u {
+        return vec3<f32>(0.0);
+    }
+    return material.emissive * texture_at(material.emissive_texture, surface).rgb;
+}

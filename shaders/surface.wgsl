@@ -1,0 +1,137 @@
+// The surface where a ray met it: point, normals, shading frame, and what textures need.
+
+import package::shared::{Triangle, Instance, NONE, INSTANCE_FLIPPED};
+import package::bindings::{frame, triangles, instances, materials};
+import package::math::{Basis, basis_from_tangent, normalize_accurate, to_world};
+import package::ray::{Ray, Hit};
+import package::attributes::{attribute_normal, attribute_tangent, attribute_color, attribute_texcoord};
+import package::texture::{texture_sample};
+
+// In world space; `wo` is against the ray.
+struct Surface {
+    p: vec3<f32>,
+    p_error: f32,            // bound on the error of p along ng, metres: the `floor` of offset_origin
+    ng: vec3<f32>,           // geometric normal, on wo's side
+    front: u32,              // 1: wo sees the front face
+    basis: Basis,            // shading frame, its normal on wo's side
+    color: vec4<f32>,        // COLOR_0
+    barycentrics: vec2<f32>, // of corners 1 and 2
+    triangle: u32,
+    material: u32,
+}
+
+// Sum of the roundings that put a point and a ray's origin on a surface, in units of the largest
+// terms that they come from: 2^-21, eight units in the last place.
+const SURFACE_ROUNDING: f32 = 4.76837158203125e-7;
+
+// Least cosine between wo and the shading normal.
+const MIN_COS_SHADING: f32 = 1e-3;
+
+// Matrix rows times a direction.
+fn transform_vector(rows: array<vec4<f32>, 3>, v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(rows[0].xyz, v), dot(rows[1].xyz, v), dot(rows[2].xyz, v));
+}
+
+// By the inverse's transpose, given the inverse; keeps the side, not the length.
+fn transform_normal(inverse_rows: array<vec4<f32>, 3>, n: vec3<f32>) -> vec3<f32> {
+    return n.x * inverse_rows[0].xyz + n.y * inverse_rows[1].xyz + n.z * inverse_rows[2].xyz;
+}
+
+// Normal of the front face in world space, unit length. A mirroring transform turns the winding
+// round, and the front with it (glTF 2.0 section 3.7.4).
+fn geometric_normal(triangle: Triangle, instance: Instance) -> vec3<f32> {
+    let e1 = transform_vector(instance.world_from_object, triangle.e1);
+    let e2 = transform_vector(instance.world_from_object, triangle.e2);
+    // At unit scale, so that the product of tiny edges does not underflow.
+    let size1 = max(abs(e1.x), max(abs(e1.y), abs(e1.z)));
+    let size2 = max(abs(e2.x), max(abs(e2.y), abs(e2.z)));
+    let n = normalize_accurate(cross(e1 / size1, e2 / size2));
+    return select(n, -n, (instance.flags & INSTANCE_FLIPPED) != 0u);
+}
+
+// A bound on the error along `ng` of a point of the triangle, and of a ray's origin there once it is
+// taken into the object's space.
+fn position_error(triangle: Triangle, instance: Instance, p: vec3<f32>, ng: vec3<f32>) -> f32 {
+    let reach = abs(triangle.p0) + abs(triangle.e1) + abs(triangle.e2);
+    let rows = instance.world_from_object;
+    let extent = abs(p) + vec3<f32>(
+        dot(abs(rows[0]), vec4<f32>(reach, 1.0)),
+        dot(abs(rows[1]), vec4<f32>(reach, 1.0)),
+        dot(abs(rows[2]), vec4<f32>(reach, 1.0)));
+    return max(frame.ray_offset_floor, SURFACE_ROUNDING * dot(abs(ng), extent));
+}
+
+// Turns `ns` towards `wo` just so far that the angle between them stays under 90 degrees. Where
+// interpolation or a normal map bends the normal out of sight, reflection has no meaning; this is the
+// nearest normal for which it has.
+fn bend_towards(ns: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
+    let cos_theta = dot(ns, wo);
+    if cos_theta >= MIN_COS_SHADING {
+        return ns;
+    }
+    // Off the part along wo, then onto the cone around the horizon.
+    let across = ns - cos_theta * wo;
+    let norm = sqrt(dot(across, across));
+    if norm < MIN_COS_SHADING {
+        return wo;
+    }
+    return normalize_accurate(across / norm + MIN_COS_SHADING * wo);
+}
+
+// The hit of `ray`; not for a miss.
+fn surface_at(ray: Ray, hit: Hit) -> Surface {
+    let triangle = triangles[hit.triangle];
+    let instance = instances[hit.instance];
+    let barycentrics = vec2<f32>(hit.u, hit.v);
+    let wo = -ray.direction;
+
+    let local = vec4<f32>(triangle.p0 + hit.u * triangle.e1 + hit.v * triangle.e2, 1.0);
+    let rows = instance.world_from_object;
+    let p = vec3<f32>(dot(rows[0], local), dot(rows[1], local), dot(rows[2], local));
+
+    let n_front = geometric_normal(triangle, instance);
+    let front = dot(n_front, wo) >= 0.0;
+    let side = select(-1.0, 1.0, front);
+
+    // The front's shading normal. One that points behind its own face is taken for a mistake of
+    // orientation; one of no length, as the geometric normal.
+    var n = normalize_accurate(transform_normal(instance.object_from_world, attribute_normal(triangle, barycentrics)));
+    if dot(n, n) == 0.0 {
+        n = n_front;
+    }
+    n = select(n, -n, dot(n, n_front) < 0.0);
+
+    let object_tangent = attribute_tangent(triangle, barycentrics);
+    let tangent = transform_vector(rows, object_tangent.xyz);
+    let flipped = (instance.flags & INSTANCE_FLIPPED) != 0u;
+    let handedness = select(object_tangent.w, -object_tangent.w, flipped);
+
+    let normal_texture = materials[triangle.material].normal_texture;
+    if normal_texture.texels != NONE {
+        // glTF 2.0 section 3.9.3. Without tangents the axes of the map are unknown, and any will do.
+        let uv = attribute_texcoord(triangle, barycentrics, normal_texture.texcoord);
+        let texel = texture_sample(normal_texture, uv).xyz * 2.0 - 1.0;
+        let scale = materials[triangle.material].normal_scale;
+        let bent = vec3<f32>(texel.xy * scale, texel.z);
+        n = normalize_accurate(to_world(basis_from_tangent(n, tangent, handedness), bent));
+    }
+
+    // The back of a double-sided surface has the reversed normal (glTF 2.0 section 3.9.6).
+    let ns = bend_towards(n * side, wo);
+    return Surface(
+        p,
+        position_error(triangle, instance, p, n_front),
+        n_front * side,
+        select(0u, 1u, front),
+        basis_from_tangent(ns, tangent, 1.0),
+        attribute_color(triangle, barycentrics),
+        barycentrics,
+        hit.triangle,
+        triangle.material,
+    );
+}
+
+// TEXCOORD_`number` at the hit.
+fn texcoord(surface: Surface, number: u32) -> vec2<f32> {
+    return attribute_texcoord(triangles[surface.triangle], surface.barycentrics, number);
+}

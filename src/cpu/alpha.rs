@@ -1,0 +1,57 @@
+//! Which hits count: culling of back faces, alpha masks and alpha blending, decided while tracing.
+
+use super::attributes::{attribute_color, attribute_texcoord};
+use super::rng::{hash_combine, unit_from_bits};
+use super::texture::texture_sample;
+use crate::pack::Packed;
+use crate::shared::{
+    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE,
+};
+use glam::DVec2;
+
+/// Whether the surface is there at this point, seen from its front or its back.
+pub fn is_visible(
+    packed: &Packed,
+    triangle_index: u32,
+    instance_index: u32,
+    barycentrics: DVec2,
+    front: bool,
+    alpha_seed: u32,
+) -> bool {
+    if front && packed.frame.has_alpha == 0 {
+        return true;
+    }
+    let material_index = packed.triangles[triangle_index as usize].material;
+    let material = &packed.materials[material_index as usize];
+    // glTF 2.0 section 3.9.6: back faces are culled unless double-sided. What light goes through has
+    // to be met from inside as well.
+    if !front && material.flags & (MATERIAL_DOUBLE_SIDED | MATERIAL_TRANSMISSIVE) == 0 {
+        return false;
+    }
+    if material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND) == 0 {
+        return true;
+    }
+    let alpha = alpha_at(packed, triangle_index, barycentrics);
+    if material.flags & MATERIAL_ALPHA_MASK != 0 {
+        return alpha >= f64::from(material.alpha_cutoff);
+    }
+    alpha_threshold(triangle_index, instance_index, alpha_seed) < alpha
+}
+
+/// Base colour's alpha: factor, texture and vertex colour (glTF 2.0 sections 3.9.4 and 3.9.2).
+pub fn alpha_at(packed: &Packed, triangle_index: u32, barycentrics: DVec2) -> f64 {
+    let triangle = &packed.triangles[triangle_index as usize];
+    let material = &packed.materials[triangle.material as usize];
+    let texture = &material.base_color_texture;
+    let uv = attribute_texcoord(packed, triangle, barycentrics, texture.texcoord);
+    f64::from(material.base_color[3])
+        * texture_sample(packed, texture, uv).w
+        * attribute_color(packed, triangle, barycentrics).w
+}
+
+/// A number in [0, 1) that a blended surface's alpha has to exceed. One for each ray and triangle, so
+/// that the many rays of a pixel see it with probability alpha.
+pub fn alpha_threshold(triangle_index: u32, instance_index: u32, alpha_seed: u32) -> f64 {
+    let hash = hash_combine(hash_combine(alpha_seed, triangle_index), instance_index);
+    unit_from_bits(hash)
+}

@@ -1,0 +1,131 @@
+//! Tracing rays through the two levels of hierarchies: instances, and the triangles of their meshes.
+
+use super::alpha::is_visible;
+use super::intersect::{intersect_node, intersect_triangle, local_ray};
+use super::ray::{Hit, Ray};
+use crate::bvh::STACK_SIZE;
+use crate::pack::Packed;
+use crate::shared::NONE;
+use glam::{DVec2, DVec3, DVec4, UVec2, Vec4};
+
+/// The nearest visible hit.
+pub fn trace_closest(packed: &Packed, ray: Ray, alpha_seed: u32) -> Hit {
+    trace(packed, ray, alpha_seed, false)
+}
+
+/// Whether anything visible is hit.
+pub fn trace_any(packed: &Packed, ray: Ray, alpha_seed: u32) -> bool {
+    trace(packed, ray, alpha_seed, true).instance != NONE
+}
+
+/// The nearest visible hit, or the first that is found. In a miss, `t` is the ray's `t_max`.
+pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
+    // Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
+    // Wide BVHs", algorithm 1, for both levels in one loop. A group is the index of a first child and
+    // a mask: inner children in bits 24 to 31 (bits 0 to 7 then tell which slots are inner ones), or
+    // primitives in bits 0 to 23.
+    let mut hit = Hit {
+        t: ray.t_max,
+        u: 0.0,
+        v: 0.0,
+        instance: NONE,
+        triangle: NONE,
+    };
+    if packed.frame.root == NONE {
+        return hit;
+    }
+    let mut stack = [UVec2::ZERO; STACK_SIZE];
+    let mut stack_size = 0;
+    // Stack size at which the mesh is done, while in one.
+    let mut mesh_floor = None;
+    let mut instance = NONE;
+    let mut first_triangle = 0;
+    let mut local = local_ray(ray.origin, ray.direction);
+    let mut inner = UVec2::new(packed.frame.root, 0x8000_0000);
+    loop {
+        let mut leaves;
+        if inner.y > 0x00ff_ffff {
+            let place = 31 - inner.y.leading_zeros();
+            let slot = (place - 24) ^ local.octant;
+            let child = inner.x + (inner.y & 0xff & !(u32::MAX << slot)).count_ones();
+            inner.y &= !(1 << place);
+            if inner.y > 0x00ff_ffff {
+                stack[stack_size] = inner;
+                stack_size += 1;
+            }
+            let met = intersect_node(packed, &local, ray.t_min, hit.t, child);
+            inner = met.inner;
+            leaves = met.leaves;
+        } else {
+            leaves = inner;
+            inner = UVec2::ZERO;
+        }
+        if mesh_floor.is_none() {
+            if leaves.y != 0 {
+                // Into an instance; what is left here waits on the stack.
+                let place = 31 - leaves.y.leading_zeros();
+                leaves.y &= !(1 << place);
+                if inner.y > 0x00ff_ffff {
+                    stack[stack_size] = inner;
+                    stack_size += 1;
+                }
+                if leaves.y != 0 {
+                    stack[stack_size] = leaves;
+                    stack_size += 1;
+                }
+                mesh_floor = Some(stack_size);
+                instance = leaves.x + place;
+                let entered = &packed.instances[instance as usize];
+                let rows = entered
+                    .object_from_world
+                    .map(|row| Vec4::from_array(row).as_dvec4());
+                let map = |v: DVec4| DVec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
+                local = local_ray(map(ray.origin.extend(1.0)), map(ray.direction.extend(0.0)));
+                first_triangle = entered.first_triangle;
+                inner = UVec2::new(entered.root, 0x8000_0000);
+            }
+        } else {
+            while leaves.y != 0 {
+                let place = 31 - leaves.y.leading_zeros();
+                leaves.y &= !(1 << place);
+                let index = first_triangle + leaves.x + place;
+                let found = intersect_triangle(&local, &packed.triangles[index as usize]);
+                let barycentrics = DVec2::new(found.u, found.v);
+                if found.hit
+                    && found.t > ray.t_min
+                    && found.t < hit.t
+                    && is_visible(
+                        packed,
+                        index,
+                        instance,
+                        barycentrics,
+                        found.front,
+                        alpha_seed,
+                    )
+                {
+                    hit = Hit {
+                        t: found.t,
+                        u: found.u,
+                        v: found.v,
+                        instance,
+                        triangle: index,
+                    };
+                    if any {
+                        return hit;
+                    }
+                }
+            }
+        }
+        if inner.y <= 0x00ff_ffff {
+            if stack_size == 0 {
+                return hit;
+            }
+            if mesh_floor == Some(stack_size) {
+                mesh_floor = None;
+                local = local_ray(ray.origin, ray.direction);
+            }
+            stack_size -= 1;
+            inner = stack[stack_size];
+        }
+    }
+}

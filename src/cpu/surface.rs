@@ -1,0 +1,166 @@
+//! The surface where a ray met it: point, normals, shading frame, and what textures need.
+
+use super::attributes::{attribute_color, attribute_normal, attribute_tangent, attribute_texcoord};
+use super::math::{Basis, basis_from_tangent, normalize_accurate, to_world};
+use super::ray::{Hit, Ray};
+use super::texture::texture_sample;
+use crate::pack::Packed;
+use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Triangle};
+use glam::{DVec2, DVec3, DVec4, Vec3, Vec4};
+
+/// In world space; `wo` is against the ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    pub p: DVec3,
+    /// Bound on the error of `p` along `ng`, metres: the `floor` of `offset_origin`.
+    pub p_error: f64,
+    /// Geometric normal, on wo's side.
+    pub ng: DVec3,
+    /// wo sees the front face.
+    pub front: bool,
+    /// Shading frame, its normal on wo's side.
+    pub basis: Basis,
+    /// COLOR_0
+    pub color: DVec4,
+    /// Of corners 1 and 2.
+    pub barycentrics: DVec2,
+    pub triangle: u32,
+    pub material: u32,
+}
+
+/// Sum of the roundings that put a point and a ray's origin on a surface, in units of the largest
+/// terms that they come from: 2^-21, eight units in the last place of float32.
+pub const SURFACE_ROUNDING: f64 = 4.76837158203125e-7;
+
+/// Least cosine between wo and the shading normal.
+pub const MIN_COS_SHADING: f64 = 1e-3;
+
+/// Matrix rows times a direction.
+pub fn transform_vector(rows: [[f32; 4]; 3], v: DVec3) -> DVec3 {
+    let product = rows.map(|row| Vec4::from_array(row).as_dvec4().truncate().dot(v));
+    DVec3::from_array(product)
+}
+
+/// By the inverse's transpose, given the inverse; keeps the side, not the length.
+pub fn transform_normal(inverse_rows: [[f32; 4]; 3], n: DVec3) -> DVec3 {
+    let [x, y, z] = inverse_rows.map(|row| Vec4::from_array(row).as_dvec4().truncate());
+    n.x * x + n.y * y + n.z * z
+}
+
+/// Normal of the front face in world space, unit length. A mirroring transform turns the winding
+/// round, and the front with it (glTF 2.0 section 3.7.4).
+pub fn geometric_normal(triangle: &Triangle, instance: &Instance) -> DVec3 {
+    let edge =
+        |e: [f32; 3]| transform_vector(instance.world_from_object, Vec3::from_array(e).as_dvec3());
+    let n = normalize_accurate(edge(triangle.e1).cross(edge(triangle.e2)));
+    if instance.flags & INSTANCE_FLIPPED != 0 {
+        -n
+    } else {
+        n
+    }
+}
+
+/// A bound on the error along `ng` of a point of the triangle, and of a ray's origin there once it is
+/// taken into the object's space, when both are computed in float32.
+pub fn position_error(
+    packed: &Packed,
+    triangle: &Triangle,
+    instance: &Instance,
+    p: DVec3,
+    ng: DVec3,
+) -> f64 {
+    let size = |v: [f32; 3]| Vec3::from_array(v).as_dvec3().abs();
+    let reach = (size(triangle.p0) + size(triangle.e1) + size(triangle.e2)).extend(1.0);
+    let placed = instance
+        .world_from_object
+        .map(|row| Vec4::from_array(row).as_dvec4().abs().dot(reach));
+    let extent = p.abs() + DVec3::from_array(placed);
+    f64::from(packed.frame.ray_offset_floor).max(SURFACE_ROUNDING * ng.abs().dot(extent))
+}
+
+/// Turns `ns` towards `wo` just so far that the angle between them stays under 90 degrees. Where
+/// interpolation or a normal map bends the normal out of sight, reflection has no meaning; this is the
+/// nearest normal for which it has.
+pub fn bend_towards(ns: DVec3, wo: DVec3) -> DVec3 {
+    let cos_theta = ns.dot(wo);
+    if cos_theta >= MIN_COS_SHADING {
+        return ns;
+    }
+    // Off the part along wo, then onto the cone around the horizon.
+    let across = ns - cos_theta * wo;
+    let norm = across.length();
+    if norm < MIN_COS_SHADING {
+        return wo;
+    }
+    normalize_accurate(across / norm + MIN_COS_SHADING * wo)
+}
+
+/// The hit of `ray`; not for a miss.
+pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
+    let triangle = &packed.triangles[hit.triangle as usize];
+    let instance = &packed.instances[hit.instance as usize];
+    let barycentrics = DVec2::new(hit.u, hit.v);
+    let wo = -ray.direction;
+
+    let corner = |v: [f32; 3]| Vec3::from_array(v).as_dvec3();
+    let local = corner(triangle.p0) + hit.u * corner(triangle.e1) + hit.v * corner(triangle.e2);
+    let rows = instance.world_from_object;
+    let p = transform_vector(rows, local) + DVec3::from_array(rows.map(|row| f64::from(row[3])));
+
+    let n_front = geometric_normal(triangle, instance);
+    let front = n_front.dot(wo) >= 0.0;
+    let side = if front { 1.0 } else { -1.0 };
+
+    // The front's shading normal. One that points behind its own face is taken for a mistake of
+    // orientation; one of no length, as the geometric normal.
+    let mut n = normalize_accurate(transform_normal(
+        instance.object_from_world,
+        attribute_normal(packed, triangle, barycentrics),
+    ));
+    if n == DVec3::ZERO {
+        n = n_front;
+    }
+    if n.dot(n_front) < 0.0 {
+        n = -n;
+    }
+
+    let object_tangent = attribute_tangent(packed, triangle, barycentrics);
+    let tangent = transform_vector(rows, object_tangent.truncate());
+    let flipped = instance.flags & INSTANCE_FLIPPED != 0;
+    let handedness = if flipped {
+        -object_tangent.w
+    } else {
+        object_tangent.w
+    };
+
+    let material = &packed.materials[triangle.material as usize];
+    let normal_texture = &material.normal_texture;
+    if normal_texture.texels != NONE {
+        // glTF 2.0 section 3.9.3. Without tangents the axes of the map are unknown, and any will do.
+        let uv = attribute_texcoord(packed, triangle, barycentrics, normal_texture.texcoord);
+        let texel = texture_sample(packed, normal_texture, uv).truncate() * 2.0 - 1.0;
+        let scale = f64::from(material.normal_scale);
+        let bent = DVec3::new(texel.x * scale, texel.y * scale, texel.z);
+        n = normalize_accurate(to_world(basis_from_tangent(n, tangent, handedness), bent));
+    }
+
+    // The back of a double-sided surface has the reversed normal (glTF 2.0 section 3.9.6).
+    let ns = bend_towards(n * side, wo);
+    Surface {
+        p,
+        p_error: position_error(packed, triangle, instance, p, n_front),
+        ng: n_front * side,
+        front,
+        basis: basis_from_tangent(ns, tangent, 1.0),
+        color: attribute_color(packed, triangle, barycentrics),
+        barycentrics,
+        triangle: hit.triangle,
+        material: triangle.material,
+    }
+}
+
+/// `TEXCOORD_number` at the hit.
+pub fn texcoord(packed: &Packed, surface: &Surface, number: u32) -> DVec2 {
+    let triangle = &packed.triangles[surface.triangle as usize];
+    attribute_texcoord(packed, triangle, surface.barycentrics, number)
+}

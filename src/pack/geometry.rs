@@ -1,0 +1,171 @@
+//! Meshes and their instances to two levels of hierarchies and the arrays that these address.
+
+use super::mesh::{self, PackedMesh};
+use super::{PackError, check_extent, index};
+use crate::bvh::{self, Bounds};
+use crate::scene::Scene;
+use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Triangle};
+use glam::{DAffine3, DVec3, Vec3A};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// What rays meet, as in `Packed`.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    pub nodes: Vec<[u32; 4]>,
+    pub triangles: Vec<Triangle>,
+    pub vertices: Vec<f32>,
+    pub instances: Vec<Instance>,
+    /// The triangles of each instance.
+    pub ranges: Vec<Range<u32>>,
+    /// `NONE`: there is nothing to hit.
+    pub root: u32,
+    /// Of all instances, in world space.
+    pub bounds: Bounds,
+}
+
+impl Geometry {
+    const NOTHING: Self = Self {
+        nodes: Vec::new(),
+        triangles: Vec::new(),
+        vertices: Vec::new(),
+        instances: Vec::new(),
+        ranges: Vec::new(),
+        root: NONE,
+        bounds: Bounds::EMPTY,
+    };
+}
+
+/// Packs the meshes in parallel, then puts them one after the other behind the top-level hierarchy
+/// over their instances.
+pub fn pack_geometry(scene: &Scene) -> Result<Geometry, PackError> {
+    let mut meshes = pack_meshes(scene)?;
+    let mut placed = Vec::new();
+    let mut boxes = Vec::new();
+    for instance in &scene.instances {
+        let Some(mesh) = &meshes[instance.mesh] else {
+            continue;
+        };
+        let world_from_object = DAffine3 {
+            matrix3: instance.world_from_object.matrix3.as_dmat3(),
+            translation: instance.world_from_object.translation.as_dvec3(),
+        };
+        let object_from_world = world_from_object.inverse();
+        if !object_from_world.is_finite() {
+            continue;
+        }
+        let bounds = transform_bounds(world_from_object, mesh.bounds);
+        check_extent(bounds, || format!("node \"{}\"", instance.name))?;
+        placed.push((instance, world_from_object, object_from_world));
+        boxes.push(bounds);
+    }
+    let Some(top) = bvh::build(&boxes) else {
+        return Ok(Geometry::NOTHING);
+    };
+    let mut geometry = Geometry {
+        nodes: top.nodes,
+        root: 0,
+        bounds: boxes.iter().fold(Bounds::EMPTY, |all, &one| all.union(one)),
+        ..Geometry::NOTHING
+    };
+    let starts = meshes
+        .iter_mut()
+        .map(|mesh| match mesh.take() {
+            Some(mesh) => geometry.append(mesh).map(Some),
+            None => Ok(None),
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    for &leaf in &top.order {
+        let (instance, world_from_object, object_from_world) = placed[leaf as usize];
+        let (root, range) = starts[instance.mesh]
+            .clone()
+            .expect("a placed instance's mesh was packed");
+        let flipped = world_from_object.matrix3.determinant() < 0.0;
+        geometry.instances.push(Instance {
+            world_from_object: rows(world_from_object),
+            object_from_world: rows(object_from_world),
+            root,
+            first_triangle: range.start,
+            flags: if flipped { INSTANCE_FLIPPED } else { 0 },
+            object: instance.node as u32,
+        });
+        geometry.ranges.push(range);
+    }
+    Ok(geometry)
+}
+
+impl Geometry {
+    /// Moves a mesh to the end of the arrays; gives its root and its triangles.
+    fn append(&mut self, mut mesh: PackedMesh) -> Result<(u32, Range<u32>), PackError> {
+        let root = index("nodes", self.nodes.len() + mesh.hierarchy.nodes.len())?;
+        let root = (root - mesh.hierarchy.nodes.len() as u32) / bvh::NODE_WORDS as u32;
+        let first_word = index("vertex attributes", self.vertices.len())?;
+        index(
+            "vertex attributes",
+            self.vertices.len() + mesh.vertices.len(),
+        )?;
+        let end = index("triangles", self.triangles.len() + mesh.triangles.len())?;
+        let range = end - mesh.triangles.len() as u32..end;
+        bvh::rebase(&mut mesh.hierarchy.nodes, root);
+        for triangle in &mut mesh.triangles {
+            triangle.vertex0 += first_word;
+            triangle.vertex1 += first_word;
+            triangle.vertex2 += first_word;
+        }
+        self.nodes.append(&mut mesh.hierarchy.nodes);
+        self.triangles.append(&mut mesh.triangles);
+        self.vertices.append(&mut mesh.vertices);
+        Ok((root, range))
+    }
+}
+
+/// Packs the meshes that some instance places, by the scene's numbers; others stay `None`.
+fn pack_meshes(scene: &Scene) -> Result<Vec<Option<PackedMesh>>, PackError> {
+    let mut used = vec![false; scene.meshes.len()];
+    for instance in &scene.instances {
+        used[instance.mesh] = true;
+    }
+    scene
+        .meshes
+        .par_iter()
+        .zip(used)
+        .map(|(mesh, used)| {
+            if used {
+                mesh::pack_mesh(mesh, &scene.materials)
+            } else {
+                Ok(None)
+            }
+        })
+        .collect()
+}
+
+fn rows(transform: DAffine3) -> [[f32; 4]; 3] {
+    let columns = transform.matrix3.to_cols_array_2d();
+    [0, 1, 2].map(|row| {
+        [
+            columns[0][row] as f32,
+            columns[1][row] as f32,
+            columns[2][row] as f32,
+            transform.translation[row] as f32,
+        ]
+    })
+}
+
+/// A box around the transformed box, rounded outwards.
+///
+/// Arvo 1990, "Transforming Axis-Aligned Bounding Boxes": per axis the sum of the smaller and of the
+/// larger products.
+fn transform_bounds(transform: DAffine3, bounds: Bounds) -> Bounds {
+    let center = 0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3());
+    let half = 0.5 * (bounds.max.as_dvec3() - bounds.min.as_dvec3());
+    let reach: DVec3 = transform.matrix3.x_axis.abs() * half.x
+        + transform.matrix3.y_axis.abs() * half.y
+        + transform.matrix3.z_axis.abs() * half.z;
+    let center = transform.transform_point3(center);
+    let round =
+        |v: DVec3, to: fn(f32) -> f32| Vec3A::new(to(v.x as f32), to(v.y as f32), to(v.z as f32));
+    Bounds {
+        min: round(center - reach, f32::next_down),
+        max: round(center + reach, f32::next_up),
+    }
+}
