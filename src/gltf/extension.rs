@@ -204,7 +204,7 @@ fn visit(value: &Value, at: String, found: &mut BTreeMap<String, (usize, Option<
                     for name in extensions.keys() {
                         let (uses, first) = found.entry(name.clone()).or_default();
                         *uses += 1;
-                        first.get_or_insert_with(|| at.clone());
+                        first.get_or_insert_with(|| place.clone());
                     }
                 }
                 if key != "extras" && (value.is_object() || value.is_array()) {

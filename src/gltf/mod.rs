@@ -223,10 +223,6 @@ fn place_meshes(
             Some(_) => Affine3A::IDENTITY,
             None => nodes.world_f32(node)?,
         };
-        if !world_from_object.inverse().is_finite() {
-            notes.add("a mesh scaled to nothing is not drawn", &json.at);
-            continue;
-        }
         let bits: Option<Vec<u32>> = weights
             .as_ref()
             .map(|weights| weights.iter().map(|weight| weight.to_bits()).collect());
@@ -254,6 +250,10 @@ fn place_meshes(
             continue;
         }
         check_extent(&scene.meshes[mesh], world_from_object, json)?;
+        if !world_from_object.inverse().is_finite() {
+            notes.add("a mesh scaled to nothing is not drawn", &json.at);
+            continue;
+        }
         scene.instances.push(Instance {
             name: json.name(),
             mesh,

@@ -1,0 +1,121 @@
+//! Models of others: all load, but for those that require what is not supported.
+
+use crate::asset::{corpus, models};
+use snell::gltf::{GltfError, LoadOptions, load, load_environment};
+use std::time::Instant;
+
+/// The files that require an extension which is not supported, and which one.
+const UNSUPPORTED: [(&str, &str); 8] = [
+    (
+        "blender-io/14_emission_strength/14_emission_strength.gltf",
+        "KHR_materials_pbrSpecularGlossiness",
+    ),
+    ("compressed/CesiumBalloonKTX2.glb", "KHR_texture_basisu"),
+    ("compressed/DenseSphere.glb", "KHR_draco_mesh_compression"),
+    (
+        "compressed/EXT_meshopt_compression/meshopt-no-fallback/meshopt-no-fallback.gltf",
+        "EXT_meshopt_compression",
+    ),
+    (
+        "compressed/KHR_meshopt_compression/meshopt-no-fallback/meshopt-no-fallback.gltf",
+        "KHR_meshopt_compression",
+    ),
+    ("compressed/pirate.glb", "EXT_meshopt_compression"),
+    (
+        "core/CesiumMilkTruck-glTF-Draco/CesiumMilkTruck.gltf",
+        "KHR_draco_mesh_compression",
+    ),
+    ("materials/heart_draco.glb", "KHR_draco_mesh_compression"),
+];
+
+#[test]
+fn every_model_loads_or_says_which_extension_it_requires() {
+    let Some(corpus) = corpus() else {
+        println!("NOT RUN: there is no corpus of models beside this checkout");
+        return;
+    };
+    let models = models(&corpus);
+    assert!(models.len() > 100);
+    for path in models {
+        let name = path.strip_prefix(&corpus).unwrap().to_str().unwrap();
+        let start = Instant::now();
+        let result = load(&path, &LoadOptions::default());
+        println!("{name}: {:.1} ms", start.elapsed().as_secs_f64() * 1e3);
+        let unsupported = UNSUPPORTED.iter().find(|(file, _)| *file == name);
+        match (result, unsupported) {
+            (Ok(loaded), None) => {
+                let counts = loaded.counts;
+                assert!(
+                    counts.drawn_triangles > 0 || name.contains("PrimitiveMode"),
+                    "{name}"
+                );
+                check(&loaded.scene, name);
+            }
+            (Err(GltfError::UnsupportedExtension { name: found, .. }), Some((_, expected))) => {
+                assert_eq!(found, *expected, "{name}");
+            }
+            (result, _) => panic!("{name}: {:?}", result.map(|loaded| loaded.notes)),
+        }
+    }
+}
+
+/// The promises that `Scene` makes.
+fn check(scene: &snell::scene::Scene, name: &str) {
+    for primitive in scene.meshes.iter().flat_map(|mesh| &mesh.primitives) {
+        let count = primitive.positions.len();
+        assert_eq!(primitive.normals.len(), count, "{name}");
+        for normal in &primitive.normals {
+            assert!((normal.length() - 1.0).abs() < 1e-5, "{name}: {normal}");
+        }
+        for tangent in primitive.tangents.iter().flatten() {
+            assert!(
+                (tangent.truncate().length() - 1.0).abs() < 1e-5,
+                "{name}: {tangent}"
+            );
+            assert!(tangent.w.abs() == 1.0, "{name}: {tangent}");
+        }
+        assert!(
+            primitive
+                .tangents
+                .as_ref()
+                .is_none_or(|list| list.len() == count)
+        );
+        assert!(
+            primitive
+                .colors
+                .as_ref()
+                .is_none_or(|list| list.len() == count)
+        );
+        assert!(primitive.texcoords.iter().all(|list| list.len() == count));
+        let corners = primitive.triangles.iter().flatten();
+        assert!(
+            corners.copied().all(|index| (index as usize) < count),
+            "{name}"
+        );
+        assert!(primitive.material < scene.materials.len());
+    }
+    assert!(
+        scene
+            .instances
+            .iter()
+            .all(|instance| instance.mesh < scene.meshes.len())
+    );
+}
+
+#[test]
+fn every_environment_loads() {
+    let Some(corpus) = corpus() else {
+        println!("NOT RUN: there is no corpus of models beside this checkout");
+        return;
+    };
+    for entry in std::fs::read_dir(corpus.join("env")).unwrap() {
+        let path = entry.unwrap().path();
+        if path
+            .extension()
+            .is_some_and(|ending| ending == "hdr" || ending == "exr")
+        {
+            let map = load_environment(&path).unwrap();
+            assert_eq!(map.radiance.len(), (map.width * map.height) as usize);
+        }
+    }
+}
