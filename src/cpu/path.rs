@@ -15,7 +15,7 @@ use super::sample::sample_blackman_harris;
 use super::surface::surface_at;
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
-use crate::render::{Progress, Settings};
+use crate::render::{Progress, RayCount, Settings};
 use crate::shared::{BACKGROUND_COLOR, BACKGROUND_TRANSPARENT, BSDF_UNLIT, NONE};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
     let (mut pdf_bsdf, mut delta) = (1.0, true);
     for bounce in 0.. {
         rays.closest += 1;
-        let hit = trace_closest(packed, &ray, ray_alpha_seed(*rng, 2 * bounce));
+        let hit = trace_closest(packed, ray, ray_alpha_seed(*rng, 2 * bounce));
         if hit.instance == NONE {
             if bounce == 0 {
                 return background(packed, &ray);
@@ -45,7 +45,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
             L += beta * Le_environment(packed, ray.direction) * weight;
             break;
         }
-        let surface = surface_at(packed, &ray, &hit);
+        let surface = surface_at(packed, ray, hit);
         let material = &packed.materials[surface.material as usize];
 
         let Le = Le_surface(packed, material, &surface);
@@ -70,12 +70,12 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
         }
 
         let bsdf = bsdf_at(packed, material, &surface);
-        let wo = to_local(&surface.basis, -ray.direction);
+        let wo = to_local(surface.basis, -ray.direction);
         if frame.light_weight_total > 0.0 && !bsdf_is_delta(&bsdf) {
             rng.dimension = bounce_dimension(bounce, DIMENSION_LIGHT);
             let u_pick = next_1d(rng);
             let light = light_sample(packed, surface.p, u_pick, next_2d(rng));
-            let wi = to_local(&surface.basis, light.wi);
+            let wi = to_local(surface.basis, light.wi);
             if light.pdf > 0.0 && sides_agree(wi, light.wi.dot(surface.ng)) {
                 let eval = bsdf_eval(&packed.tables, &bsdf, wo, wi);
                 let weight = match light.delta != 0 {
@@ -91,7 +91,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
                 };
                 if Ld.max_element() > 0.0 {
                     rays.shadow += 1;
-                    if !trace_any(packed, &shadow, ray_alpha_seed(*rng, 2 * bounce + 1)) {
+                    if !trace_any(packed, shadow, ray_alpha_seed(*rng, 2 * bounce + 1)) {
                         L += Ld;
                     }
                 }
@@ -102,7 +102,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
         let u_lobe = next_1d(rng);
         let u = next_2d(rng);
         let sample = bsdf_sample(&packed.tables, &bsdf, wo, DVec3::new(u_lobe, u.x, u.y));
-        let wi = to_world(&surface.basis, sample.wi);
+        let wi = to_world(surface.basis, sample.wi);
         if sample.pdf == 0.0 || !sides_agree(sample.wi, wi.dot(surface.ng)) {
             break;
         }
@@ -146,13 +146,6 @@ fn background(packed: &Packed, ray: &Ray) -> (DVec3, f64) {
 
 fn offset(packed: &Packed, p: DVec3, ng: DVec3, w: DVec3) -> DVec3 {
     offset_origin(p, ng, w, f64::from(packed.frame.ray_offset_floor))
-}
-
-/// Rays traced, for the record.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RayCount {
-    pub closest: u64,
-    pub shadow: u64,
 }
 
 /// One sample of a pixel: where in the pixel, which ray, what comes along it.
@@ -204,11 +197,9 @@ pub fn render(
             rays
         })
         .collect();
-    let rays = rows
-        .iter()
-        .fold(RayCount::default(), |sum, row| RayCount {
-            closest: sum.closest + row.closest,
-            shadow: sum.shadow + row.shadow,
-        });
+    let rays = rows.iter().fold(RayCount::default(), |sum, row| RayCount {
+        closest: sum.closest + row.closest,
+        shadow: sum.shadow + row.shadow,
+    });
     (film, rays)
 }

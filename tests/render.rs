@@ -1,0 +1,166 @@
+//! The wavefront as a whole: how the work is split changes no byte; faults end in sentences.
+#![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
+
+mod common;
+#[path = "common/picture.rs"]
+mod picture;
+
+use picture::*;
+use snell::film::Film;
+use snell::gpu::render::{RenderError, render, render_in_batches};
+use snell::gpu::upload::UploadError;
+use snell::pack::Packed;
+use snell::render::Settings;
+
+/// The gallery in small: every reflection model, area lights, instances. Wider than a tile.
+fn gallery() -> Packed {
+    packed(&load_scene(&project("scenes/gallery.gltf")), [144, 40])
+}
+
+#[test]
+fn two_runs_give_the_same_film() {
+    let mut gpu = common::gpu();
+    let packed = gallery();
+    let settings = whole(&packed, 3);
+    assert!(on_gpu(&mut gpu, &packed, &settings) == on_gpu(&mut gpu, &packed, &settings));
+}
+
+#[test]
+fn the_size_of_dispatches_changes_no_bit() {
+    let mut gpu = common::gpu();
+    let packed = gallery();
+    let settings = whole(&packed, 5);
+    let mut with = |paths| {
+        render_in_batches(&mut gpu, &packed, &settings, paths, &mut |_| {})
+            .unwrap()
+            .0
+    };
+    let one_by_one = with(1..2);
+    assert!(one_by_one == with(20_000..20_001));
+    assert!(one_by_one == with(1 << 16..1 << 18));
+}
+
+fn cut(film: &Film, [x, y, width, height]: [u32; 4]) -> Film {
+    let mut part = Film::new(width, height);
+    for row in 0..height {
+        for column in 0..width {
+            *part.pixel_mut(column, row) = *film.pixel(x + column, y + row);
+        }
+    }
+    part
+}
+
+#[test]
+fn a_crop_is_that_part_of_the_whole() {
+    let mut gpu = common::gpu();
+    let packed = gallery();
+    let all = whole(&packed, 2);
+    let crop = [13, 5, 70, 29];
+    let part = Settings {
+        crop,
+        samples: 0..2,
+    };
+    let film = on_gpu(&mut gpu, &packed, &all);
+    assert!(on_gpu(&mut gpu, &packed, &part) == cut(&film, crop));
+    let film = on_cpu(&packed, &all);
+    assert!(on_cpu(&packed, &part) == cut(&film, crop));
+}
+
+#[test]
+fn the_reference_does_not_depend_on_threads() {
+    let packed = gallery();
+    let settings = whole(&packed, 2);
+    let film = on_cpu(&packed, &settings);
+    let one = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    assert!(film == one.install(|| on_cpu(&packed, &settings)));
+}
+
+#[test]
+fn samples_in_two_ranges_are_the_samples_of_one() {
+    let mut gpu = common::gpu();
+    let packed = gallery();
+    let range = |samples| Settings {
+        samples,
+        ..whole(&packed, 1)
+    };
+    let first = on_gpu(&mut gpu, &packed, &range(0..3));
+    let second = on_gpu(&mut gpu, &packed, &range(3..6));
+    let both = on_gpu(&mut gpu, &packed, &range(0..6));
+    for ((a, b), c) in first.pixels.iter().zip(&second.pixels).zip(&both.pixels) {
+        for channel in 0..3 {
+            let sum = a.sum[channel] + b.sum[channel];
+            // Each sum carries float32's rounding of its own additions, compensated.
+            assert!((sum - c.sum[channel]).abs() <= 2e-7 * sum.abs().max(1e-3));
+        }
+    }
+}
+
+#[test]
+fn a_lost_device_is_opened_again() {
+    let mut gpu = common::gpu();
+    let packed = gallery();
+    let settings = whole(&packed, 4);
+    let undisturbed = on_gpu(&mut gpu, &packed, &settings);
+    let device = gpu.device.clone();
+    let mut calls = 0;
+    let (film, _) = render_in_batches(&mut gpu, &packed, &settings, 1..2, &mut |_| {
+        calls += 1;
+        if calls == 6 {
+            device.destroy();
+        }
+    })
+    .unwrap();
+    assert!(calls > 8, "{calls}: the tile was begun anew");
+    assert!(film == undisturbed);
+}
+
+#[test]
+fn a_scene_over_the_limits_ends_in_a_sentence() {
+    let mut gpu = common::gpu();
+    let mut packed = gallery();
+    gpu.limits.max_storage_buffer_binding_size = 4096;
+    let error = render(&mut gpu, &packed, &whole(&packed, 1), &mut |_| {}).unwrap_err();
+    assert!(
+        matches!(error, RenderError::Upload(UploadError::TooLarge { .. })),
+        "{error}"
+    );
+    assert!(error.to_string().contains("4096"), "{error}");
+    let mut gpu = common::gpu();
+    packed.frame.environment_size = [1 << 20, 1];
+    packed.environment = vec![[0.0; 4]; 1 << 20];
+    let error = render(&mut gpu, &packed, &whole(&packed, 1), &mut |_| {}).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            RenderError::Upload(UploadError::EnvironmentTooLarge { .. })
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn progress_goes_from_the_first_batch_to_all() {
+    let mut gpu = common::gpu();
+    let packed = gallery();
+    let mut seen = Vec::new();
+    let (_, statistics) = render(&mut gpu, &packed, &whole(&packed, 4), &mut |progress| {
+        seen.push(progress.done);
+        assert_eq!(progress.total, 144 * 40 * 4);
+    })
+    .unwrap();
+    assert!(seen.is_sorted());
+    assert_eq!(seen.last(), Some(&(144 * 40 * 4)));
+    assert!(statistics.rays.closest >= 144 * 40 * 4);
+}
+
+#[test]
+fn lavapipe_runs_no_submission_over_a_second() {
+    let mut gpu = common::gpu();
+    let packed = packed(&load_scene(&project("scenes/gallery.gltf")), [256, 256]);
+    let (_, statistics) = render(&mut gpu, &packed, &whole(&packed, 16), &mut |_| {}).unwrap();
+    println!("longest submission {:?}", statistics.longest_submission);
+    assert!(statistics.longest_submission.as_secs_f64() < 2.0);
+}
