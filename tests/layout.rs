@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
 
 use snell::gpu::link::link;
-use snell::shared;
 use std::mem::offset_of;
 
 /// Name, offset, size of every field, and the whole's size.
