@@ -2,7 +2,9 @@
 #![allow(dead_code, reason = "each test file uses a part of this")]
 #![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
 
+pub mod packed;
 pub mod shapes;
+pub mod statistics;
 
 use snell::gpu::device::{Gpu, open};
 use snell::gpu::kernel::Kernel;
