@@ -6,9 +6,8 @@
 import package::math::{PI, INV_PI, sqr, sincos_accurate, atan2_accurate};
 import package::bindings::{frame, environment, environment_cells};
 
-// Half of the step between the sampler's numbers. Each stands for an interval of that step, and
-// taking its middle keeps cells that few numbers reach from being met at one edge only.
-const SAMPLE_HALF_STEP: f32 = 0x1p-25f;
+// The sampler's numbers are multiples of one over this, and so are the table's probabilities.
+const SAMPLE_STEPS: f32 = 0x1p24f;
 
 // Where a direction, of any length, falls on the map: [0, 1]^2.
 fn environment_uv(d: vec3<f32>) -> vec2<f32> {
@@ -87,7 +86,12 @@ fn environment_find(u: f32, count: u32, y: u32, rows: bool) -> vec2<f32> {
         let before = select(cell - vec2<u32>(1u, 0u), cell - vec2<u32>(0u, 1u), rows);
         below = environment_cumulative(before.x, before.y);
     }
-    return vec2<f32>(f32(first), ((u - below) + SAMPLE_HALF_STEP) / (above - below));
+    // Each of the sampler's numbers stands for an interval of one step; taking its middle keeps
+    // cells that few numbers reach from being met at one edge only. Counted in whole steps, since
+    // a compiler may reorder float additions.
+    let steps_in = u32(u * SAMPLE_STEPS) - u32(below * SAMPLE_STEPS);
+    let steps_across = u32(above * SAMPLE_STEPS) - u32(below * SAMPLE_STEPS);
+    return vec2<f32>(f32(first), (f32(steps_in) + 0.5) / f32(steps_across));
 }
 
 // (Direction, pdf per solid angle), the choice of this light not included. pdf 0: no light.

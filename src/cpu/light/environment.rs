@@ -7,9 +7,8 @@ use crate::cpu::math::{INV_PI, PI, sqr};
 use crate::pack::Packed;
 use glam::{DVec2, DVec3, DVec4};
 
-/// Half of the step between the sampler's numbers. Each stands for an interval of that step, and
-/// taking its middle keeps cells that few numbers reach from being met at one edge only.
-pub const SAMPLE_HALF_STEP: f64 = 1.0 / (1u64 << 25) as f64;
+/// The sampler's numbers are multiples of one over this, and so are the table's probabilities.
+pub const SAMPLE_STEPS: f64 = (1u32 << 24) as f64;
 
 /// Where a direction, of any length, falls on the map: [0, 1]^2.
 pub fn environment_uv(packed: &Packed, d: DVec3) -> DVec2 {
@@ -100,10 +99,10 @@ pub fn environment_find(packed: &Packed, u: f64, count: u32, y: u32, rows: bool)
     } else {
         0.0
     };
-    DVec2::new(
-        f64::from(first),
-        ((u - below) + SAMPLE_HALF_STEP) / (above - below),
-    )
+    // Each of the sampler's numbers stands for an interval of one step; taking its middle keeps
+    // cells that few numbers reach from being met at one edge only.
+    let place = ((u - below) * SAMPLE_STEPS + 0.5) / ((above - below) * SAMPLE_STEPS);
+    DVec2::new(f64::from(first), place)
 }
 
 /// (Direction, pdf per solid angle), the choice of this light not included. pdf 0: no light.
