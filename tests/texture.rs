@@ -1,0 +1,421 @@
+//! Textures: wrapping, filtering, decoding, transform and attribute look-up, on lavapipe and in the
+//! reference.
+#![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
+
+mod common;
+
+use bytemuck::Zeroable;
+use common::packed::{empty_packed, identity_texture, no_texture};
+use common::statistics::Uniform;
+use glam::{DVec2, DVec3, DVec4};
+use snell::cpu::attributes::*;
+use snell::cpu::texture::*;
+use snell::pack::Packed;
+use snell::shared::*;
+
+const COUNT: usize = 100_000;
+const LINEAR: u32 = FILTER_LINEAR << 8;
+
+/// A texture of 8-bit texels that are all different.
+fn numbered(width: u32, height: u32, filter: u32, wrap: u32) -> (Packed, Texture) {
+    let mut packed = empty_packed();
+    packed.texels = (0..width * height)
+        .map(|i| u32::from_le_bytes([i as u8, (7 * i) as u8, (31 * i) as u8, 255 - i as u8]))
+        .collect();
+    let mut texture = identity_texture([width, height], FORMAT_RGBA8_UNORM | filter);
+    texture.wrap = wrap | wrap << 2;
+    (packed, texture)
+}
+
+/// Red of a numbered texture in texel numbers.
+fn number_at(packed: &Packed, texture: &Texture, u: f64, v: f64) -> f64 {
+    texture_sample(packed, texture, DVec2::new(u, v)).x * 255.0
+}
+
+#[test]
+fn texel_centres_give_texels() {
+    // Sides that are no powers of two, one texel, and a line of texels.
+    for (width, height) in [(5, 3), (1, 1), (7, 1), (1, 9)] {
+        for filter in [FILTER_NEAREST << 8, LINEAR] {
+            for wrap in [WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR] {
+                let (packed, texture) = numbered(width, height, filter, wrap);
+                for y in 0..height {
+                    for x in 0..width {
+                        // Row 0 is on top, where v = 0 (glTF 2.0 section 3.8.3).
+                        let u = (f64::from(x) + 0.5) / f64::from(width);
+                        let v = (f64::from(y) + 0.5) / f64::from(height);
+                        let expected = f64::from(y * width + x);
+                        let got = number_at(&packed, &texture, u, v);
+                        assert!(
+                            (got - expected).abs() < 1e-9,
+                            "{x} {y} of {width} x {height}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn wrapping_continues_the_image() {
+    // One row of 4 texels, looked up one texel after another from -8 to 12.
+    let row = |wrap: u32, filter: u32| -> Vec<f64> {
+        let (packed, texture) = numbered(4, 1, filter, wrap);
+        (-8..12)
+            .map(|i| number_at(&packed, &texture, (f64::from(i) + 0.5) / 4.0, 0.5).round())
+            .collect()
+    };
+    for filter in [FILTER_NEAREST << 8, LINEAR] {
+        let cycle = |cycle: &[u32]| -> Vec<f64> {
+            (0..20).map(|i| f64::from(cycle[i % cycle.len()])).collect()
+        };
+        assert_eq!(row(WRAP_REPEAT, filter), cycle(&[0, 1, 2, 3]));
+        assert_eq!(row(WRAP_MIRROR, filter), cycle(&[0, 1, 2, 3, 3, 2, 1, 0]));
+        let clamped: Vec<f64> = (-8..12).map(|i| f64::from(i.clamp(0, 3))).collect();
+        assert_eq!(row(WRAP_CLAMP, filter), clamped);
+    }
+    // The two directions wrap each in its own way.
+    let (packed, mut texture) = numbered(4, 4, FILTER_NEAREST << 8, WRAP_REPEAT);
+    texture.wrap = WRAP_REPEAT | WRAP_CLAMP << 2;
+    assert_eq!(
+        number_at(&packed, &texture, 1.4, 1.4).round(),
+        4.0 * 3.0 + 1.0
+    );
+    texture.wrap = WRAP_CLAMP | WRAP_REPEAT << 2;
+    assert_eq!(number_at(&packed, &texture, 1.4, 1.4).round(), 4.0 + 3.0);
+}
+
+#[test]
+fn the_filter_blends_neighbours_over_seams() {
+    let seam = |wrap: u32, u: f64| {
+        let (packed, texture) = numbered(5, 1, LINEAR, wrap);
+        number_at(&packed, &texture, u, 0.5)
+    };
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a}, not {b}");
+    for wrap in [WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR] {
+        near(seam(wrap, 0.4), 1.5); // between texels 1 and 2
+        near(seam(wrap, 0.45), 1.75);
+    }
+    near(seam(WRAP_REPEAT, 0.0), 2.0); // half of texel 4, half of texel 0
+    near(seam(WRAP_REPEAT, 1.0), 2.0);
+    near(seam(WRAP_REPEAT, 0.05), 0.25 * 4.0);
+    near(seam(WRAP_REPEAT, -0.05), 0.75 * 4.0);
+    near(seam(WRAP_CLAMP, 0.0), 0.0);
+    near(seam(WRAP_CLAMP, 1.0), 4.0);
+    near(seam(WRAP_MIRROR, 1.0), 4.0); // texel 4 beside its mirror
+    near(seam(WRAP_MIRROR, 2.0), 0.0);
+    near(seam(WRAP_MIRROR, 1.2), 3.5);
+    // In both directions at once: the mean of four.
+    let (packed, texture) = numbered(4, 4, LINEAR, WRAP_REPEAT);
+    near(
+        number_at(&packed, &texture, 0.5, 0.5),
+        (5.0 + 6.0 + 9.0 + 10.0) / 4.0,
+    );
+    // The borders of nearest texels: a texel owns its left and upper edge.
+    let (packed, texture) = numbered(4, 1, FILTER_NEAREST << 8, WRAP_REPEAT);
+    near(number_at(&packed, &texture, 0.25, 0.5), 1.0);
+    near(number_at(&packed, &texture, 0.25 - 1e-9, 0.5), 0.0);
+}
+
+#[test]
+fn the_transform_comes_before_wrapping() {
+    let (packed, mut texture) = numbered(4, 4, FILTER_NEAREST << 8, WRAP_REPEAT);
+    // Swaps the axes, doubles, and moves by a quarter.
+    texture.row_u = [0.0, 2.0, 0.25];
+    texture.row_v = [1.0, 0.0, -0.5];
+    for (u, v) in [(0.1, 0.2), (0.9, 0.7), (-0.3, 1.6)] {
+        let moved = DVec2::new(2.0 * v + 0.25, u - 0.5).rem_euclid(DVec2::ONE);
+        let expected = (4.0 * moved.y).floor() * 4.0 + (4.0 * moved.x).floor();
+        assert_eq!(number_at(&packed, &texture, u, v).round(), expected);
+    }
+}
+
+#[test]
+fn no_texture_is_white() {
+    let got = texture_sample(&empty_packed(), &no_texture(), DVec2::new(0.3, 7.0));
+    assert_eq!(got, DVec4::ONE);
+}
+
+/// A query of the kernel: (u, v).
+fn texture_samples_gpu(packed: &Packed, texture: &Texture, uvs: &[[f32; 2]]) -> Vec<[f32; 4]> {
+    let root = "
+import package::shared::{Texture};
+import package::texture::{texture_sample};
+@group(3) @binding(0) var<storage, read> textures: array<Texture>;
+@group(3) @binding(1) var<storage, read> uvs: array<vec2<f32>>;
+@group(3) @binding(2) var<storage, read_write> answers: array<vec4<f32>>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&uvs) { return; }
+    answers[id.x] = texture_sample(textures[0], uvs[id.x]);
+}";
+    let inputs: [&[u8]; 2] = [bytemuck::bytes_of(texture), bytemuck::cast_slice(uvs)];
+    let answers = common::run_scene(root, packed, &inputs, uvs.len() * 16, uvs.len() as u32);
+    bytemuck::pod_collect_to_vec(&answers)
+}
+
+#[test]
+fn srgb_is_exact_for_every_byte() {
+    let mut packed = empty_packed();
+    packed.texels = (0..=255)
+        .map(|i: u8| u32::from_le_bytes([i, 255 - i, i, i]))
+        .collect();
+    let texture = identity_texture([256, 1], FORMAT_RGBA8_SRGB);
+    let uvs: Vec<[f32; 2]> = (0..256).map(|i| [(i as f32 + 0.5) / 256.0, 0.5]).collect();
+    // IEC 61966-2-1.
+    let decode = |byte: u32| {
+        let c = f64::from(byte) / 255.0;
+        if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    let (mut worst, mut above) = (0.0_f64, -1.0);
+    for (i, answer) in (0..).zip(texture_samples_gpu(&packed, &texture, &uvs)) {
+        let expected = DVec4::new(decode(i), decode(255 - i), decode(i), f64::from(i) / 255.0);
+        let cpu = texture_sample(
+            &packed,
+            &texture,
+            DVec2::new((f64::from(i) + 0.5) / 256.0, 0.5),
+        );
+        assert!(
+            (cpu - expected).abs().max_element() < 1e-15,
+            "byte {i}: {cpu}"
+        );
+        let gpu = DVec4::from_array(answer.map(f64::from));
+        let error = ((gpu - expected) / expected.max(DVec4::splat(1e-9))).abs();
+        worst = worst.max(error.max_element());
+        assert!(answer[0] > above, "not monotone at byte {i}");
+        above = answer[0];
+    }
+    println!("largest relative error: {worst:e}");
+    assert!(worst < 1e-6, "relative error {worst:e}");
+    assert_eq!(decode(255), 1.0);
+}
+
+#[test]
+fn colours_are_decoded_before_they_are_blended() {
+    let mut packed = empty_packed();
+    packed.texels = vec![0x0000_0000, 0xffff_ffff];
+    let texture = identity_texture([2, 1], FORMAT_RGBA8_SRGB | LINEAR);
+    for answer in [
+        texture_sample(&packed, &texture, DVec2::splat(0.5)),
+        DVec4::from_array(texture_samples_gpu(&packed, &texture, &[[0.5, 0.5]])[0].map(f64::from)),
+    ] {
+        // Half of linear white, not the decoded middle grey 0.214.
+        assert!((answer - 0.5).abs().max_element() < 1e-6, "{answer}");
+    }
+}
+
+#[test]
+fn sixteen_bits_keep_their_digits() {
+    let mut packed = empty_packed();
+    let values = [[0, 1, 65535, 32768], [12345, 54321, 255, 256]];
+    packed.texels = values
+        .iter()
+        .flat_map(|&[r, g, b, a]: &[u32; 4]| [r | g << 16, b | a << 16])
+        .collect();
+    let texture = identity_texture([2, 1], FORMAT_RGBA16_UNORM);
+    let uvs = [[0.25, 0.5], [0.75, 0.5]];
+    let gpu = texture_samples_gpu(&packed, &texture, &uvs);
+    for ((uv, gpu), value) in uvs.iter().zip(gpu).zip(values) {
+        let expected = DVec4::from_array(value.map(f64::from)) / 65535.0;
+        let cpu = texture_sample(&packed, &texture, DVec2::new(uv[0].into(), uv[1].into()));
+        assert_eq!(cpu, expected);
+        assert!(
+            (DVec4::from_array(gpu.map(f64::from)) - expected)
+                .abs()
+                .max_element()
+                < 1e-7
+        );
+    }
+}
+
+#[test]
+fn samples_agree_with_float64() {
+    let mut uniform = Uniform(21);
+    for case in 0..12 {
+        let format = [FORMAT_RGBA8_UNORM, FORMAT_RGBA8_SRGB, FORMAT_RGBA16_UNORM][case % 3];
+        let filter = if case < 6 {
+            LINEAR
+        } else {
+            FILTER_NEAREST << 8
+        };
+        let size = [
+            1 + uniform.bits() as u32 % 40,
+            1 + uniform.bits() as u32 % 40,
+        ];
+        let mut packed = empty_packed();
+        // Not at the start of the array, so that a forgotten offset shows.
+        packed.texels = (0..2 * size[0] * size[1] + 5)
+            .map(|_| uniform.bits() as u32)
+            .collect();
+        let mut texture = identity_texture(size, format | filter);
+        texture.texels = 5;
+        texture.wrap = (case as u32 % 3) | (case as u32 / 3 % 3) << 2;
+        texture.row_u = [
+            uniform.between(-2.0, 2.0),
+            uniform.between(-2.0, 2.0),
+            uniform.next(),
+        ];
+        texture.row_v = [
+            uniform.between(-2.0, 2.0),
+            uniform.between(-2.0, 2.0),
+            uniform.next(),
+        ];
+        let count = COUNT / 12;
+        let uvs: Vec<[f32; 2]> = (0..count)
+            .map(|_| [uniform.between(-3.0, 3.0), uniform.between(-3.0, 3.0)])
+            .collect();
+        let mut apart = 0;
+        for (uv, answer) in uvs.iter().zip(texture_samples_gpu(&packed, &texture, &uvs)) {
+            let uv = DVec2::new(uv[0].into(), uv[1].into());
+            let expected = texture_sample(&packed, &texture, uv);
+            let error = (DVec4::from_array(answer.map(f64::from)) - expected)
+                .abs()
+                .max_element();
+            // A coordinate near 12 is rounded to 1e-6, which is 4e-5 of a texel in 40.
+            apart += usize::from(error > 1e-4);
+        }
+        // A nearest texel's border is met by chance; a blend has no borders.
+        let allowed = if filter == LINEAR { 0 } else { count / 500 };
+        assert!(
+            apart <= allowed,
+            "case {case}: {apart} of {count} samples differ"
+        );
+    }
+}
+
+#[test]
+fn wrapped_coordinates_stay_in_the_image() {
+    // Whatever the coordinate, even one that float32 cannot wrap any more.
+    for wrap in [WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR] {
+        let (packed, texture) = numbered(3, 2, LINEAR, wrap);
+        let far = [
+            -1e30,
+            -1e9,
+            -1.0,
+            -1e-30,
+            -1e-8,
+            0.0,
+            1.0,
+            2.0,
+            1e9,
+            1e30,
+            f32::MAX,
+        ];
+        let uvs: Vec<[f32; 2]> = far.iter().flat_map(|&u| far.map(|v| [u, v])).collect();
+        for answer in texture_samples_gpu(&packed, &texture, &uvs) {
+            // Every texel's alpha is at least 250.
+            assert!((250.0 / 255.0..=1.0).contains(&answer[3]), "{answer:?}");
+        }
+        for [u, v] in uvs {
+            let alpha = texture_sample(&packed, &texture, DVec2::new(u.into(), v.into())).w;
+            assert!((250.0 / 255.0 - 1e-9..=1.0).contains(&alpha));
+        }
+    }
+}
+
+#[test]
+fn attributes_stand_where_the_layout_says() {
+    let mut uniform = Uniform(22);
+    for layout_bits in 0..4 {
+        for sets in 0..3 {
+            let words = 3 + 4 * (layout_bits & 1) + 4 * (layout_bits >> 1) + 2 * sets;
+            let mut packed = empty_packed();
+            packed.vertices = (0..3 * words + 7).map(|_| uniform.next()).collect();
+            let triangle = Triangle {
+                vertex0: 7,
+                vertex1: 7 + words,
+                vertex2: 7 + 2 * words,
+                vertex_layout: layout_bits | sets << LAYOUT_TEXCOORDS_SHIFT,
+                ..Triangle::zeroed()
+            };
+            let at = DVec2::new(0.25, 0.625);
+            // The word at `offset`, blended by hand.
+            let blend = |offset: u32| {
+                let word = |corner: u32| {
+                    f64::from(packed.vertices[(7 + corner * words + offset) as usize])
+                };
+                0.125 * word(0) + 0.25 * word(1) + 0.625 * word(2)
+            };
+            let near = |a: &[f64], first: u32| {
+                for (i, value) in (first..).zip(a) {
+                    assert!((value - blend(i)).abs() < 1e-12, "word {i} of {words}");
+                }
+            };
+            near(&attribute_normal(&packed, &triangle, at).to_array(), 0);
+            let tangent = attribute_tangent(&packed, &triangle, at);
+            let color = attribute_color(&packed, &triangle, at);
+            if layout_bits & LAYOUT_TANGENT != 0 {
+                near(&tangent.truncate().to_array(), 3);
+                assert_eq!(tangent.w, f64::from(packed.vertices[7 + 6]));
+            } else {
+                assert_eq!(tangent, DVec4::ZERO);
+            }
+            if layout_bits & LAYOUT_COLOR != 0 {
+                near(&color.to_array(), 3 + 4 * (layout_bits & 1));
+            } else {
+                assert_eq!(color, DVec4::ONE);
+            }
+            for set in 0..sets {
+                let uv = attribute_texcoord(&packed, &triangle, at, set);
+                near(&uv.to_array(), words - 2 * sets + 2 * set);
+            }
+            assert_eq!(
+                attribute_texcoord(&packed, &triangle, at, sets),
+                DVec2::ZERO
+            );
+            attributes_agree_with_float64(&packed, &triangle, at, sets);
+        }
+    }
+}
+
+fn attributes_agree_with_float64(packed: &Packed, triangle: &Triangle, at: DVec2, sets: u32) {
+    let root = "
+import package::shared::{Triangle};
+import package::attributes::{attribute_normal, attribute_tangent, attribute_color, attribute_texcoord};
+@group(3) @binding(0) var<storage, read> query: array<Triangle>;
+@group(3) @binding(1) var<storage, read> barycentrics: array<vec2<f32>>;
+@group(3) @binding(2) var<storage, read_write> answers: array<vec4<f32>>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x > 0u { return; }
+    let at = barycentrics[0];
+    answers[0] = vec4(attribute_normal(query[0], at), 0.0);
+    answers[1] = attribute_tangent(query[0], at);
+    answers[2] = attribute_color(query[0], at);
+    answers[3] = vec4(attribute_texcoord(query[0], at, 0u), attribute_texcoord(query[0], at, 1u));
+}";
+    let barycentrics = at.as_vec2();
+    let inputs: [&[u8]; 2] = [
+        bytemuck::bytes_of(triangle),
+        bytemuck::bytes_of(&barycentrics),
+    ];
+    let answers = common::run_scene(root, packed, &inputs, 64, 1);
+    let answers: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&answers);
+    let uv = |set| attribute_texcoord(packed, triangle, at, set);
+    let expected = [
+        attribute_normal(packed, triangle, at).extend(0.0),
+        attribute_tangent(packed, triangle, at),
+        attribute_color(packed, triangle, at),
+        DVec4::new(uv(0).x, uv(0).y, uv(1).x, uv(1).y),
+    ];
+    for (answer, expected) in answers.iter().zip(expected) {
+        let error = DVec4::from_array(answer.map(f64::from)) - expected;
+        assert!(
+            error.abs().max_element() < 1e-6,
+            "{sets} sets: {answer:?} {expected}"
+        );
+    }
+}
+
+#[test]
+fn the_fifth_root_is_one() {
+    for i in 0..=100 {
+        let x = DVec3::splat(0.09 + 0.91 * f64::from(i) / 100.0);
+        assert!((fifth_root(x).powf(5.0) - x).abs().max_element() < 1e-15);
+    }
+}
