@@ -7,7 +7,8 @@ mod common;
 
 use bytemuck::Zeroable;
 use common::packed::{empty_packed, identity_texture, no_texture};
-use common::statistics::{Uniform, assert_p, chi_square_p};
+use common::shapes::Random;
+use common::statistics::{assert_p, chi_square_p};
 use glam::{DVec2, DVec3, DVec4, UVec2, Vec3};
 use snell::cpu::light::environment::*;
 use snell::cpu::light::light::*;
@@ -168,7 +169,7 @@ fn all_lights() -> Packed {
         MATERIAL_DOUBLE_SIDED,
         false,
     );
-    let mut uniform = Uniform(9);
+    let mut uniform = Random(9);
     packed.texels = (0..15).map(|_| uniform.bits() as u32).collect();
     packed.materials[0].emissive_texture =
         identity_texture([3, 5], FORMAT_RGBA8_SRGB | FILTER_LINEAR << 8);
@@ -296,12 +297,12 @@ fn whatever_shines_can_be_sampled() {
             environment.radiance[(width * (height / 2) + width / 2) as usize] = [sun; 3];
             environment.radiance[(width * y + x) as usize] = [1.0; 3];
             let packed = only_environment(&environment);
-            let mut uniform = Uniform(7);
+            let mut uniform = Random(7);
             let mut shining = 0;
             for _ in 0..20_000 {
                 // Within two texels of the lone one.
-                let u = (f64::from(x) + f64::from(uniform.between(-2.0, 3.0))) / f64::from(width);
-                let v = (f64::from(y) + f64::from(uniform.between(-2.0, 3.0))) / f64::from(height);
+                let u = (f64::from(x) + f64::from(uniform.range(-2.0, 3.0))) / f64::from(width);
+                let v = (f64::from(y) + f64::from(uniform.range(-2.0, 3.0))) / f64::from(height);
                 let d = world_direction(&environment, u, v.clamp(1e-5, 1.0 - 1e-5));
                 if Le_environment(&packed, d).x > 0.0 {
                     shining += 1;
@@ -368,9 +369,9 @@ fn environment_samples_follow_their_density() {
                     / f64::from(cells_x * cells_y);
             }
         }
-        let mut uniform = Uniform(8);
+        let mut uniform = Random(8);
         let us: Vec<[f32; 2]> = (0..COUNT)
-            .map(|_| [uniform.next(), uniform.next()])
+            .map(|_| [uniform.unit(), uniform.unit()])
             .collect();
         let gpu = environment_samples_gpu(&packed, &us);
         let gpu = gpu.iter().map(|a| DVec4::from_array(a.map(f64::from)));
@@ -411,9 +412,9 @@ fn environment_samples_follow_their_density() {
 
 #[test]
 fn the_alias_table_keeps_every_probability() {
-    let mut uniform = Uniform(10);
+    let mut uniform = Random(10);
     for n in [1, 2, 3, 17, 1000, 30_000] {
-        let mut weights: Vec<f64> = (0..n).map(|_| f64::from(uniform.next()).powi(8)).collect();
+        let mut weights: Vec<f64> = (0..n).map(|_| f64::from(uniform.unit()).powi(8)).collect();
         weights[n / 2] = 5.0;
         if n > 2 {
             weights[0] = 0.0;
@@ -445,17 +446,17 @@ fn the_alias_table_keeps_every_probability() {
 fn lights_are_picked_by_weight() {
     for n in [7, 300, 5000] {
         let mut packed = empty_packed();
-        let mut uniform = Uniform(11);
+        let mut uniform = Random(11);
         for _ in 0..n {
             let mut light = punctual(PunctualKind::Point, Vec3::ZERO, None);
-            light.radiance = [uniform.next().powi(4) + 1e-3; 3];
+            light.radiance = [uniform.unit().powi(4) + 1e-3; 3];
             packed.lights.push(light);
         }
         let packed = with_tables(packed);
         let mut observed = vec![0.0; n];
         let draws = 500_000;
         for _ in 0..draws {
-            let (u_pick, x, y) = (uniform.next(), uniform.next(), uniform.next());
+            let (u_pick, x, y) = (uniform.unit(), uniform.unit(), uniform.unit());
             let u = DVec2::new(x.into(), y.into());
             observed[light_pick(&packed, u_pick.into(), u) as usize] += 1.0;
         }
@@ -552,17 +553,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 #[test]
 fn light_samples_agree_with_float64() {
     let packed = all_lights();
-    let mut uniform = Uniform(12);
+    let mut uniform = Random(12);
     let queries: Vec<[f32; 8]> = (0..COUNT)
         .map(|_| {
-            let [x, y, z] = uniform.direction().map(|x| 2.0 * x);
+            let [x, y, z] = (2.0 * uniform.direction()).to_array();
             [
                 x,
                 y,
                 z,
-                uniform.next(),
-                uniform.next(),
-                uniform.next(),
+                uniform.unit(),
+                uniform.unit(),
+                uniform.unit(),
                 0.0,
                 0.0,
             ]
@@ -621,11 +622,11 @@ fn light_samples_agree_with_float64() {
 #[test]
 fn a_samples_pdf_is_what_the_density_functions_say() {
     let packed = all_lights();
-    let mut uniform = Uniform(13);
+    let mut uniform = Random(13);
     let mut met = [0; 3];
     for _ in 0..50_000 {
-        let p = Vec3::from(uniform.direction()).as_dvec3() * 0.4;
-        let (u_pick, x, y) = (uniform.next(), uniform.next(), uniform.next());
+        let p = uniform.direction().as_dvec3() * 0.4;
+        let (u_pick, x, y) = (uniform.unit(), uniform.unit(), uniform.unit());
         let u = DVec2::new(x.into(), y.into());
         let light = &packed.lights[light_pick(&packed, u_pick.into(), u) as usize];
         let s = light_sample(&packed, p, u_pick.into(), u);

@@ -4,7 +4,8 @@
 
 mod common;
 
-use common::statistics::{Uniform, assert_p, assert_uniform, chi_square_p};
+use common::shapes::Random;
+use common::statistics::{assert_p, assert_uniform, chi_square_p};
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use snell::cpu::camera::camera_ray;
 use snell::cpu::rng::{hash_combine, hash_u32, next_1d, next_2d, rng_init};
@@ -17,7 +18,7 @@ const COUNT: usize = 100_000;
 
 #[test]
 fn streams_are_equal_bit_for_bit() {
-    let mut uniform = Uniform(1);
+    let mut uniform = Random(1);
     // Pixel, sample, first dimension, seed; small numbers as a picture has them, and any at all.
     let queries: Vec<[u32; 8]> = (0..COUNT)
         .map(|i| {
@@ -111,7 +112,7 @@ fn sobol_dimensions_follow_their_direction_numbers() {
 #[test]
 fn scrambling_nests() {
     // Two numbers that agree in their first k bits and not in the next still do so scrambled.
-    let mut uniform = Uniform(2);
+    let mut uniform = Random(2);
     for _ in 0..10_000 {
         let (a, seed) = (uniform.bits() as u32, uniform.bits() as u32);
         let k = uniform.bits() as u32 % 32;
@@ -269,9 +270,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 fn points(seed: u64) -> Vec<[f32; 2]> {
-    let mut uniform = Uniform(seed);
+    let mut uniform = Random(seed);
     (0..COUNT)
-        .map(|_| [uniform.next(), uniform.next()])
+        .map(|_| [uniform.unit(), uniform.unit()])
         .collect()
 }
 
@@ -381,32 +382,32 @@ fn the_cosine_density_integrates_to_one() {
     assert_eq!(pdf_cosine_hemisphere(-0.5), 0.0);
 }
 
-fn camera(kind: u32, uniform: &mut Uniform) -> Camera {
-    let forward = Vec3::from(uniform.direction());
+fn camera(kind: u32, uniform: &mut Random) -> Camera {
+    let forward = uniform.direction();
     let right = forward.any_orthonormal_vector();
     Camera {
-        origin: uniform.direction().map(|x| 10.0 * x),
+        origin: (10.0 * uniform.direction()).to_array(),
         kind,
         right: right.to_array(),
-        half_width: uniform.between(0.1, 2.0),
+        half_width: uniform.range(0.1, 2.0),
         up: right.cross(forward).to_array(),
-        half_height: uniform.between(0.1, 2.0),
+        half_height: uniform.range(0.1, 2.0),
         forward: forward.to_array(),
-        near: uniform.between(0.01, 1.0),
+        near: uniform.range(0.01, 1.0),
     }
 }
 
 #[test]
 fn camera_rays_agree_with_float64() {
-    let mut uniform = Uniform(5);
+    let mut uniform = Random(5);
     let queries: Vec<(Camera, [f32; 4])> = (0..COUNT)
         .map(|i| {
             let camera = camera(i as u32 % 2, &mut uniform);
             (
                 camera,
                 [
-                    uniform.between(0.0, 640.0),
-                    uniform.between(0.0, 480.0),
+                    uniform.range(0.0, 640.0),
+                    uniform.range(0.0, 480.0),
                     0.0,
                     0.0,
                 ],
@@ -446,7 +447,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 
 #[test]
 fn camera_rays_pass_through_the_film() {
-    let mut uniform = Uniform(6);
+    let mut uniform = Random(6);
     let film = UVec2::new(200, 100);
     for kind in [CAMERA_PERSPECTIVE, CAMERA_ORTHOGRAPHIC] {
         let camera = camera(kind, &mut uniform);

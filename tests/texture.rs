@@ -6,7 +6,7 @@ mod common;
 
 use bytemuck::Zeroable;
 use common::packed::{empty_packed, identity_texture, no_texture};
-use common::statistics::Uniform;
+use common::shapes::Random;
 use glam::{DVec2, DVec3, DVec4};
 use snell::cpu::attributes::*;
 use snell::cpu::texture::*;
@@ -235,7 +235,7 @@ fn sixteen_bits_keep_their_digits() {
 
 #[test]
 fn samples_agree_with_float64() {
-    let mut uniform = Uniform(21);
+    let mut uniform = Random(21);
     for case in 0..12 {
         let format = [FORMAT_RGBA8_UNORM, FORMAT_RGBA8_SRGB, FORMAT_RGBA16_UNORM][case % 3];
         let filter = if case < 6 {
@@ -256,18 +256,18 @@ fn samples_agree_with_float64() {
         texture.texels = 5;
         texture.wrap = (case as u32 % 3) | (case as u32 / 3 % 3) << 2;
         texture.row_u = [
-            uniform.between(-2.0, 2.0),
-            uniform.between(-2.0, 2.0),
-            uniform.next(),
+            uniform.range(-2.0, 2.0),
+            uniform.range(-2.0, 2.0),
+            uniform.unit(),
         ];
         texture.row_v = [
-            uniform.between(-2.0, 2.0),
-            uniform.between(-2.0, 2.0),
-            uniform.next(),
+            uniform.range(-2.0, 2.0),
+            uniform.range(-2.0, 2.0),
+            uniform.unit(),
         ];
         let count = COUNT / 12;
         let uvs: Vec<[f32; 2]> = (0..count)
-            .map(|_| [uniform.between(-3.0, 3.0), uniform.between(-3.0, 3.0)])
+            .map(|_| [uniform.range(-3.0, 3.0), uniform.range(-3.0, 3.0)])
             .collect();
         let mut apart = 0;
         for (uv, answer) in uvs.iter().zip(texture_samples_gpu(&packed, &texture, &uvs)) {
@@ -320,12 +320,12 @@ fn wrapped_coordinates_stay_in_the_image() {
 
 #[test]
 fn attributes_stand_where_the_layout_says() {
-    let mut uniform = Uniform(22);
+    let mut uniform = Random(22);
     for layout_bits in 0..4 {
         for sets in 0..3 {
             let words = 3 + 4 * (layout_bits & 1) + 4 * (layout_bits >> 1) + 2 * sets;
             let mut packed = empty_packed();
-            packed.vertices = (0..3 * words + 7).map(|_| uniform.next()).collect();
+            packed.vertices = (0..3 * words + 7).map(|_| uniform.unit()).collect();
             let triangle = Triangle {
                 vertex0: 7,
                 vertex1: 7 + words,

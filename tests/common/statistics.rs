@@ -62,36 +62,3 @@ pub fn assert_p(what: &str, p: f64, comparisons: u32) {
     let level = 1.0 - (1.0 - SIGNIFICANCE).powf(1.0 / f64::from(comparisons));
     assert!(p > level, "{what}: p = {p:.3e}, the level is {level:.3e}");
 }
-
-/// Independent uniform numbers, multiples of 2^-24 in [0, 1): for tests that assume independence,
-/// which the renderer's stratified sampler lacks on purpose. Steele, Lea and Flood 2014, "Fast
-/// splittable pseudorandom number generators".
-pub struct Uniform(pub u64);
-
-impl Uniform {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn next(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1u32 << 24) as f32
-    }
-
-    pub fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.next()
-    }
-
-    /// Uniform on the unit sphere.
-    pub fn direction(&mut self) -> [f32; 3] {
-        let (y, phi) = (
-            self.between(-1.0, 1.0),
-            self.between(0.0, std::f32::consts::TAU),
-        );
-        let r = (1.0 - y * y).max(0.0).sqrt();
-        [r * phi.cos(), y, r * phi.sin()]
-    }
-}
