@@ -22,6 +22,8 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var path = load_path(slot);
+    // A variable of its own: WebGPU has no pointers to a structure's members as arguments.
+    var rng = path.rng;
     let hit = load_hit(slot);
     if hit.instance == NONE {
         shade_miss(slot, path);
@@ -47,9 +49,9 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     let bsdf = bsdf_at(material, surface);
     let wo = to_local(surface.basis, -path.ray.direction);
     if frame.light_weight_total > 0.0 && !bsdf_is_delta(bsdf) {
-        path.rng.dimension = bounce_dimension(path.bounce, DIMENSION_LIGHT);
-        let u_pick = next_1d(&path.rng);
-        let light = light_sample(surface.p, u_pick, next_2d(&path.rng));
+        rng.dimension = bounce_dimension(path.bounce, DIMENSION_LIGHT);
+        let u_pick = next_1d(&rng);
+        let light = light_sample(surface.p, u_pick, next_2d(&rng));
         let wi = to_local(surface.basis, light.wi);
         if light.pdf > 0.0 && sides_agree(wi, dot(light.wi, surface.ng)) {
             let eval = bsdf_eval(bsdf, wo, wi);
@@ -63,9 +65,9 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
 
-    path.rng.dimension = bounce_dimension(path.bounce, DIMENSION_BSDF);
-    let u_lobe = next_1d(&path.rng);
-    let sample = bsdf_sample(bsdf, wo, vec3(u_lobe, next_2d(&path.rng)));
+    rng.dimension = bounce_dimension(path.bounce, DIMENSION_BSDF);
+    let u_lobe = next_1d(&rng);
+    let sample = bsdf_sample(bsdf, wo, vec3(u_lobe, next_2d(&rng)));
     let wi = to_world(surface.basis, sample.wi);
     if sample.pdf == 0.0 || !sides_agree(sample.wi, dot(wi, surface.ng)) {
         return;
@@ -75,9 +77,9 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         path.eta_scale *= bsdf.eta.x * bsdf.eta.x;
     }
     if path.bounce >= ROULETTE_START {
-        path.rng.dimension = bounce_dimension(path.bounce, DIMENSION_ROULETTE);
+        rng.dimension = bounce_dimension(path.bounce, DIMENSION_ROULETTE);
         let survival = roulette_probability(path.beta, path.eta_scale);
-        if next_1d(&path.rng) >= survival {
+        if next_1d(&rng) >= survival {
             return;
         }
         path.beta /= survival;
