@@ -58,17 +58,17 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     pub env: Option<PathBuf>,
     /// Turn the map by this about +y, counter-clockwise seen from above.
-    #[arg(long, default_value_t = 0.0, value_name = "DEG", value_parser = value::finite, allow_hyphen_values = true)]
+    #[arg(long, default_value_t = 0.0, value_name = "DEG", value_parser = value::finite, allow_negative_numbers = true)]
     pub env_rotation: f64,
     /// Multiply the map's radiance.
-    #[arg(long, default_value_t = 1.0, value_name = "S", value_parser = value::not_negative)]
+    #[arg(long, default_value_t = 1.0, value_name = "S", value_parser = value::not_negative, allow_negative_numbers = true)]
     pub env_strength: f64,
     /// What is seen behind the scene: 'env', 'transparent', '#rrggbb' (sRGB) or 'r,g,b' (linear).
-    #[arg(long, default_value = "env", value_name = "COLOR|env|transparent", value_parser = value::background)]
+    #[arg(long, default_value = "env", value_name = "COLOR|env|transparent", value_parser = value::background, allow_hyphen_values = true)]
     pub background: Background,
 
     /// Stops to brighten by before the tone map; .exr and .hdr stay as they are.
-    #[arg(long, default_value_t = 0.0, value_name = "EV", value_parser = value::finite, allow_hyphen_values = true)]
+    #[arg(long, default_value_t = 0.0, value_name = "EV", value_parser = value::finite, allow_negative_numbers = true)]
     pub exposure: f64,
     /// How radiance becomes colour in .png, .jpg and .webp.
     #[arg(long, value_enum, default_value_t = Tonemap::Neutral)]
