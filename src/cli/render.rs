@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use clap::Args;
@@ -11,7 +12,6 @@ use super::{record, view};
 use crate::error::Error;
 use crate::film::Film;
 use crate::gltf::{self, LoadOptions, Loaded, Treatment};
-use crate::gpu;
 use crate::gpu::device::{self, DeviceError, Gpu};
 use crate::output::tonemap::Tonemap;
 use crate::output::{self, Channels, Format, Look, Place, Target, Window};
@@ -19,6 +19,7 @@ use crate::pack::{self, Packed, View};
 use crate::progress::Progress;
 use crate::render::{RayCount, Settings};
 use crate::report::{self, Facts, Times};
+use crate::{cpu, gpu};
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -328,7 +329,14 @@ fn render(job: &mut Job, times: &mut Times) -> Result<Rendered, Error> {
             }
         }
         None => {
-            return Err(Error::Usage("the CPU renderer is not there yet".into()));
+            let start = Instant::now();
+            let shared = Mutex::new(&mut progress);
+            let (film, rays) = cpu::path::render(&job.packed, &job.settings, &|p| {
+                let mut progress = shared.lock().unwrap_or_else(PoisonError::into_inner);
+                progress.update(p.done, p.total);
+            });
+            times.render = report::milliseconds(start.elapsed());
+            Rendered { film, rays }
         }
     };
     progress.finish();
