@@ -6,6 +6,7 @@ use crate::gltf::GltfError;
 use crate::gpu::device::DeviceError;
 use crate::gpu::render::RenderError;
 use crate::gpu::upload::UploadError;
+use crate::lab::LabError;
 use crate::output::OutputError;
 use crate::pack::PackError;
 
@@ -16,7 +17,6 @@ pub enum Error {
     Usage(String),
     #[error("cannot write to standard output: {0}")]
     Stdout(std::io::Error),
-    /// A file that could be read a moment ago.
     #[error("cannot read '{path}': {source}")]
     Input {
         path: PathBuf,
@@ -38,6 +38,8 @@ pub enum Error {
     Pack(#[from] PackError),
     #[error(transparent)]
     Gltf(#[from] GltfError),
+    #[error(transparent)]
+    Lab(#[from] LabError),
     #[error(transparent)]
     Device(#[from] DeviceError),
     #[error(transparent)]
@@ -73,6 +75,7 @@ impl Error {
                 | RenderError::Lost(_)
                 | RenderError::Failed(_) => 7,
             },
+            Error::Lab(_) => 7,
             Error::Device(error) => match error {
                 DeviceError::NoAdapter
                 | DeviceError::NotFound { .. }

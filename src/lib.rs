@@ -6,6 +6,7 @@ pub mod error;
 pub mod film;
 pub mod gltf;
 pub mod gpu;
+pub mod lab;
 pub mod output;
 pub mod pack;
 pub mod progress;

@@ -1,5 +1,6 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
+pub mod bsdf;
 pub mod doctor;
 pub mod info;
 mod record;
@@ -35,6 +36,7 @@ pub enum Command {
     Doctor(doctor::DoctorArgs),
     /// Say what is in a glTF file, and what Snell does with each of its extensions.
     Info(info::InfoArgs),
+    Bsdf(bsdf::BsdfArgs),
 }
 
 impl Cli {
@@ -44,6 +46,7 @@ impl Cli {
             Command::Render(args) => render::run(&args),
             Command::Doctor(args) => doctor::run(&args),
             Command::Info(args) => info::run(&args),
+            Command::Bsdf(args) => bsdf::run(&args),
         }
     }
 

@@ -33,6 +33,7 @@ pub const MODULES: &[Module] = modules![
     "intersect",
     "kernels/accumulate",
     "kernels/advance",
+    "kernels/bsdf_lab",
     "kernels/generate",
     "kernels/shade",
     "kernels/slots",

@@ -6,10 +6,6 @@ use crate::scene::bsdf_model::{
 use crate::scene::metals;
 use crate::shared::*;
 
-/// The greatest exponent of Blinn and of Ashikhmin and Shirley: a lobe of 1.4e-3 rad, which single
-/// precision still resolves.
-pub const EXPONENT_MAX: f32 = 1e6;
-
 /// What is wrong with a model's parameters.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelError {
@@ -147,7 +143,8 @@ fn lower_oren_nayar(
     Ok((model, value))
 }
 
-fn lower_fresnel(fresnel: &Fresnel, into: &mut Material) -> Result<(), ModelError> {
+/// Checks a Fresnel term and writes it over a material.
+pub fn lower_fresnel(fresnel: &Fresnel, into: &mut Material) -> Result<(), ModelError> {
     into.k = [0.0; 3];
     match fresnel {
         Fresnel::Constant(reflectance) => {
@@ -204,8 +201,7 @@ fn lower_distribution(
     };
     match *distribution {
         Distribution::Blinn { .. } | Distribution::AshikhminShirley { .. } => {
-            let range = 0.0..=EXPONENT_MAX;
-            check_all("exponent", &into.alpha, range, "from 0 to 1e6")?;
+            check_all("exponent", &into.alpha, 0.0..=f32::MAX, "0 or more")?;
         }
         Distribution::Beckmann { .. } | Distribution::Ggx { .. } => {
             let range = f32::MIN_POSITIVE..=f32::MAX;
