@@ -2,13 +2,18 @@
 
 use crate::scene::{Camera, Projection, Scene};
 use glam::{Affine3A, Mat3, Vec3};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// From the front (+z), a little to the right and a little above, so that depth can be seen and a
 /// board that faces +z can still be read. Radians.
 const AZIMUTH: f32 = 0.3;
 const ELEVATION: f32 = 0.22;
+/// Onto a floor, which is nothing but a line when seen from its side. Radians.
+const FLOOR_ELEVATION: f32 = 0.7;
+/// A scene is flat where one extent is a smaller fraction than this of the others.
+const FLAT: f32 = 0.1;
 /// Vertical angle of view, radians.
-const YFOV: f32 = std::f32::consts::FRAC_PI_4;
+const YFOV: f32 = FRAC_PI_4;
 /// Room around the scene, as a factor on the distance.
 const MARGIN: f32 = 1.05;
 /// The near plane, as a fraction of the distance to the scene.
@@ -33,15 +38,56 @@ fn world_positions(scene: &Scene) -> impl Iterator<Item = Vec3> + '_ {
     })
 }
 
+/// The direction from the scene to the camera. A flat scene is seen from the side that it faces,
+/// since the back of a surface may be invisible.
+fn viewpoint(scene: &Scene, extent: Vec3) -> Vec3 {
+    let flat = FLAT * extent.max_element();
+    let from = |azimuth: f32, elevation: f32| {
+        Vec3::new(
+            azimuth.sin() * elevation.cos(),
+            elevation.sin(),
+            azimuth.cos() * elevation.cos(),
+        )
+    };
+    let (axis, back) = if extent.z <= flat {
+        (Vec3::Z, from(AZIMUTH, ELEVATION))
+    } else if extent.y <= flat {
+        (Vec3::Y, from(AZIMUTH, FLOOR_ELEVATION))
+    } else if extent.x <= flat {
+        (Vec3::X, from(FRAC_PI_2 - AZIMUTH, ELEVATION))
+    } else {
+        return from(AZIMUTH, ELEVATION);
+    };
+    if mean_normal(scene).dot(axis) < 0.0 {
+        back - 2.0 * back.dot(axis) * axis
+    } else {
+        back
+    }
+}
+
+/// The sum of all triangles' area vectors, in world space.
+fn mean_normal(scene: &Scene) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for instance in &scene.instances {
+        for primitive in &scene.meshes[instance.mesh].primitives {
+            let place = |index: u32| {
+                let p = primitive.positions[index as usize];
+                instance.world_from_object.transform_point3(p)
+            };
+            for triangle in &primitive.triangles {
+                let [a, b, c] = triangle.map(place);
+                sum += (b - a).cross(c - a);
+            }
+        }
+    }
+    sum
+}
+
 /// A perspective camera that sees the whole scene in a picture of the given width over height.
 pub fn default_camera(scene: &Scene, aspect: f32) -> Camera {
     let (low, high) = bounds(scene).unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
     let center = low.midpoint(high);
-    let back = Vec3::new(
-        AZIMUTH.sin() * ELEVATION.cos(),
-        ELEVATION.sin(),
-        AZIMUTH.cos() * ELEVATION.cos(),
-    );
+    let back = viewpoint(scene, high - low);
     let right = Vec3::Y.cross(back).normalize();
     let up = back.cross(right);
     // Half the box's corners' extents in the picture decide: each must be inside at its own depth.

@@ -29,7 +29,7 @@ pub use error::GltfError;
 pub use extension::{ExtensionUse, Treatment};
 pub use framing::{bounds, default_camera};
 
-use crate::scene::{Instance, Scene};
+use crate::scene::{Instance, Material, Scene};
 use accessor::{Accessors, Attribute};
 use deform::Pose;
 use glam::{Affine3A, DAffine3, DMat4, Vec3};
@@ -117,7 +117,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, GltfError> {
         // One that nothing shown uses keeps its number and reads no images.
         scene.materials.push(match used.contains(&Some(index)) {
             true => materials.material(json)?,
-            false => material::default_material(),
+            false => Material {
+                name: json.name(),
+                ..material::default_material()
+            },
         });
     }
     let default_material = scene.materials.len();

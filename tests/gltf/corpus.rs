@@ -1,7 +1,7 @@
 //! Models of others: all load, but for those that require what is not supported.
 
 use crate::asset::{corpus, models};
-use snell::gltf::{GltfError, LoadOptions, load, load_environment};
+use snell::gltf::{ExtensionUse, GltfError, LoadOptions, Treatment, load, load_environment};
 use std::time::Instant;
 
 /// The files that require an extension which is not supported, and which one.
@@ -117,5 +117,18 @@ fn every_environment_loads() {
             let map = load_environment(&path).unwrap();
             assert_eq!(map.radiance.len(), (map.width * map.height) as usize);
         }
+    }
+}
+
+#[test]
+fn our_own_scenes_load_and_use_nothing_that_is_ignored() {
+    let folder = std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));
+    for path in models(&folder) {
+        let loaded = load(&path, &LoadOptions::default()).unwrap();
+        check(&loaded.scene, &path.display().to_string());
+        assert!(!loaded.scene.cameras.is_empty(), "{}", path.display());
+        let ignored = |e: &ExtensionUse| e.treatment != Treatment::Supported;
+        assert!(!loaded.extensions.iter().any(ignored), "{}", path.display());
+        assert_eq!(loaded.notes, [""; 0], "{}", path.display());
     }
 }

@@ -171,6 +171,21 @@ fn the_default_camera_frames_the_scene() {
             );
         }
     }
+    // A board is seen from the side that it faces, a floor from above.
+    for (corner, toward) in [
+        ([0.0, 1.0, 0.0], Vec3::Z),
+        ([0.0, -1.0, 0.0], Vec3::NEG_Z),
+        ([0.0, 0.0, -1.0], Vec3::Y),
+    ] {
+        let mut asset = Asset::triangle();
+        let tip: Vec<u8> = corner.iter().flat_map(|x: &f32| x.to_le_bytes()).collect();
+        asset.bin[24..36].copy_from_slice(&tip);
+        let camera = default_camera(&asset.load().scene, 1.0);
+        let back = camera.world_from_camera.transform_vector3(Vec3::Z);
+        assert!(back.dot(toward) > 0.5, "{corner:?}: {back}");
+        let up = camera.world_from_camera.transform_vector3(Vec3::Y);
+        assert!(up.y > 0.5);
+    }
     // Nothing, or nothing but a point, is no reason to fail.
     let empty = default_camera(&Scene::default(), 1.0);
     assert!(empty.world_from_camera.is_finite());

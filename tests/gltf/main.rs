@@ -5,6 +5,7 @@ mod asset;
 mod corpus;
 mod environment;
 mod geometry;
+mod info;
 mod materials;
 mod nodes;
 mod oracle;

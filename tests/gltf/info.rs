@@ -1,0 +1,72 @@
+//! `snell info`: what it prints and how it ends.
+
+use crate::asset::Asset;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn info(path: &Path, more: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_snell"));
+    command.arg("info").arg(path).args(more).output().unwrap()
+}
+
+#[test]
+fn text_and_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.glb");
+    let mut asset = Asset::triangle().with_material(json!({
+        "name": "paint", "extensions": {"KHR_materials_sheen": {}}
+    }));
+    asset.push("animations", json!({"channels": [], "samplers": []}));
+    asset.save_glb(&path);
+    let output = info(&path, &[]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && output.stderr.is_empty());
+    for words in [
+        "1 triangles in 1 instances",
+        "KHR_materials_sheen, ignored",
+        "not played",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    let output = info(&path, &["--json"]);
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["counts"]["drawn_triangles"], 1);
+    assert_eq!(json["bounds"], json!([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]));
+    assert_eq!(json["materials"], json!(["paint"]));
+    assert_eq!(json["extensions"][0]["treatment"], "ignored");
+    assert_eq!(
+        (&json["default_camera"], &json["default_light"]),
+        (&json!(true), &json!(true))
+    );
+}
+
+#[test]
+fn exit_statuses() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.glb");
+    let end = |asset: &Asset, more: &[&str]| {
+        asset.save_glb(&path);
+        let output = info(&path, more);
+        assert!(output.stdout.is_empty());
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(text.lines().count(), 1, "{text}");
+        (output.status.code().unwrap(), text)
+    };
+    let mut asset = Asset::triangle();
+    assert_eq!(end(&asset, &["--max-memory", "0"]).0, 6);
+    asset.json["accessors"][0]["bufferView"] = json!(4);
+    let (status, text) = end(&asset, &[]);
+    assert_eq!(status, 3);
+    assert!(
+        text.contains("scene.glb: accessors[0].bufferView: 4 is out of range"),
+        "{text}"
+    );
+    asset.json["extensionsRequired"] = json!(["VENDOR_magic"]);
+    let (status, text) = end(&asset, &[]);
+    assert_eq!(status, 4);
+    assert!(
+        text.contains("VENDOR_magic is required and not supported"),
+        "{text}"
+    );
+}
