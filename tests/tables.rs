@@ -110,7 +110,7 @@ fn interpolation_stays_just_above_the_truth() {
                 // At the very edge the cap at 1 leaves a little to wish for.
                 let lowest = truth - if cos < 0.02 { 1e-3 } else { 1e-6 };
                 assert!(
-                    (lowest..truth + 0.01).contains(&table),
+                    (lowest..truth + 0.012).contains(&table),
                     "cos {cos} roughness {roughness} F0 {F0}: table {table}, truth {truth}"
                 );
             }
