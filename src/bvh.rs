@@ -76,7 +76,7 @@ pub struct Hierarchy {
 ///
 /// The same input gives the same nodes, whatever the number of threads. Where obvhs' hierarchy is
 /// deeper than `MAX_DEPTH`, as it is for hundreds of boxes that coincide, a balanced one is built
-/// instead, whose depth is bounded by the logarithm of the count.
+/// instead. The caller checks the depth all the same.
 pub fn build(bounds: &[Bounds]) -> Option<Hierarchy> {
     if bounds.is_empty() {
         return None;
@@ -96,19 +96,67 @@ pub fn build(bounds: &[Bounds]) -> Option<Hierarchy> {
 /// obvhs descends binary hierarchies by recursion; this keeps it well within a thread's stack.
 const RECURSION_LIMIT: usize = 1000;
 
+/// How much boxes are grown, at most, while they are clustered: part of the largest coordinate.
+const JITTER: f32 = 1e-5;
+
+/// Metres; grows boxes all of which are at the origin.
+const MIN_GROWTH: f32 = 1e-12;
+
+fn jitter(bounds: &[Bounds]) -> f32 {
+    let all = bounds
+        .iter()
+        .fold(Bounds::EMPTY, |all, &one| all.union(one));
+    JITTER * all.min.abs().max(all.max.abs()).max_element()
+}
+
 /// Parallel locally-ordered clustering (Meister and Bittner 2018).
 ///
-/// Without the pass of reinsertion: it goes over the nodes in parallel, and clustering with a wide
+/// It merges neighbours that are each other's nearest. Among boxes in a row, or in one place, all are
+/// equally near, one pair is merged a pass, and the time grows with the square of their number. So
+/// each box is grown by a little that its number decides, and the boxes of the nodes are made anew.
+///
+/// Without obvhs' pass of reinsertion: it goes over the nodes in parallel, and clustering with a wide
 /// search already gives most of its quality.
 fn cluster(bounds: &[Bounds]) -> Bvh2 {
     let settings = BvhBuildParams::medium_build();
-    PlocBuilder::with_capacity(bounds.len()).build(
+    let all = bounds
+        .iter()
+        .fold(Bounds::EMPTY, |all, &one| all.union(one));
+    let reach = JITTER * all.min.abs().max(all.max.abs()).max_element();
+    let grown: Vec<Bounds> = bounds
+        .iter()
+        .enumerate()
+        .map(|(number, bounds)| {
+            // Multiplicative hashing (Knuth 1998, section 6.4): 2^32 over the golden ratio.
+            let hash = (number as u32).wrapping_mul(0x9e37_79b9).reverse_bits();
+            let by = Vec3A::splat(reach * (hash as f32 / u32::MAX as f32));
+            Bounds {
+                min: bounds.min - by,
+                max: bounds.max + by,
+            }
+        })
+        .collect();
+    let mut binary = PlocBuilder::with_capacity(bounds.len()).build(
         settings.ploc_search_distance,
-        bounds,
+        &grown,
         (0..bounds.len() as u32).collect(),
         settings.sort_precision,
         settings.search_depth_threshold,
-    )
+    );
+    for index in (0..binary.nodes.len()).rev() {
+        let node = binary.nodes[index];
+        let first = node.first_index as usize;
+        let aabb = if node.is_leaf() {
+            bounds[binary.primitive_indices[first] as usize].aabb()
+        } else {
+            // Children stand behind their parents.
+            binary.nodes[first]
+                .aabb()
+                .union(binary.nodes[first + 1].aabb())
+        };
+        binary.nodes[index].set_aabb(aabb);
+    }
+    binary
 }
 
 fn compress(binary: &Bvh2) -> CwBvh {
@@ -129,8 +177,17 @@ fn binary_depth(binary: &Bvh2) -> usize {
     deepest
 }
 
-/// Splits at the median along the longest axis of the centres until one box is left.
+/// Splits at the median along the longest axis until one box is left. All boxes are grown alike, so
+/// that none is without area: the price of what has none says nothing about how to collapse it.
 fn balance(bounds: &[Bounds]) -> Bvh2 {
+    let by = Vec3A::splat(jitter(bounds).max(MIN_GROWTH));
+    let bounds: Vec<Bounds> = bounds
+        .iter()
+        .map(|bounds| Bounds {
+            min: bounds.min - by,
+            max: bounds.max + by,
+        })
+        .collect();
     let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
     let mut nodes = vec![Bvh2Node::default()];
     let mut work = vec![(0_usize, 0..bounds.len())];

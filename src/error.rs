@@ -61,7 +61,7 @@ impl Error {
             Error::Gltf(error) => error.exit_status(),
             Error::Pack(error) => match error {
                 PackError::TooMany { .. } => 6,
-                PackError::TooFar { .. } | PackError::Model { .. } => 3,
+                PackError::TooFar { .. } | PackError::TooDeep { .. } | PackError::Model { .. } => 3,
             },
             Error::Render(error) => match error {
                 RenderError::Upload(

@@ -1,7 +1,7 @@
 //! Meshes and their instances to two levels of hierarchies and the arrays that these address.
 
 use super::mesh::{self, PackedMesh};
-use super::{PackError, check_extent, index};
+use super::{PackError, check_depth, check_extent, index};
 use crate::bvh::{self, Bounds};
 use crate::scene::Scene;
 use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Triangle};
@@ -59,7 +59,8 @@ pub fn pack_geometry(scene: &Scene) -> Result<Geometry, PackError> {
         placed.push((instance, world_from_object, object_from_world));
         boxes.push(bounds);
     }
-    let Some(top) = bvh::build(&boxes) else {
+    let top = check_depth(bvh::build(&boxes), || "the nodes".to_owned())?;
+    let Some(top) = top else {
         return Ok(Geometry::NOTHING);
     };
     let mut geometry = Geometry {

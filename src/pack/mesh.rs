@@ -51,8 +51,10 @@ pub fn pack_mesh(
         }
     }
     let bounds = boxes.iter().fold(Bounds::EMPTY, |all, &one| all.union(one));
-    super::check_extent(bounds, || format!("mesh \"{}\"", mesh.name))?;
-    Ok(bvh::build(&boxes).map(|hierarchy| PackedMesh {
+    let name = || format!("mesh \"{}\"", mesh.name);
+    super::check_extent(bounds, name)?;
+    let hierarchy = super::check_depth(bvh::build(&boxes), name)?;
+    Ok(hierarchy.map(|hierarchy| PackedMesh {
         triangles: hierarchy
             .order
             .iter()

@@ -9,7 +9,7 @@ pub mod mesh;
 pub mod model;
 pub mod texture;
 
-use crate::bvh::Bounds;
+use crate::bvh::{Bounds, Hierarchy, MAX_DEPTH};
 use crate::scene::{self, Scene};
 use crate::shared::{
     BACKGROUND_COLOR, BACKGROUND_ENVIRONMENT, BACKGROUND_TRANSPARENT, Frame, Instance, Light,
@@ -76,6 +76,11 @@ pub enum PackError {
         limit = mesh::MAX_COORDINATE
     )]
     TooFar { what: String, reach: f32 },
+    #[error(
+        "the hierarchy of {what} has {depth} levels, more than the traversal's stack holds ({limit}); split it up",
+        limit = MAX_DEPTH
+    )]
+    TooDeep { what: String, depth: usize },
     #[error("material \"{material}\": {source}")]
     Model {
         material: String,
@@ -157,6 +162,19 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
         environment: texels_of_environment,
         environment_cells: cells_of_environment,
     })
+}
+
+fn check_depth(
+    hierarchy: Option<Hierarchy>,
+    what: impl Fn() -> String,
+) -> Result<Option<Hierarchy>, PackError> {
+    match hierarchy {
+        Some(Hierarchy { depth, .. }) if depth > MAX_DEPTH => Err(PackError::TooDeep {
+            what: what(),
+            depth,
+        }),
+        other => Ok(other),
+    }
 }
 
 /// Everything that a path may aim at: punctual lights, the triangles of emissive materials wherever
