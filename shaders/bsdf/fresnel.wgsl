@@ -19,7 +19,7 @@ fn F_dielectric(cos_theta: f32, eta: f32) -> f32 {
     }
     let c = min(abs(cos_theta), 1.0);
     let q = snell_root(c, eta);
-    if q == 0.0 {
+    if q == 0.0 || c == 0.0 {
         return 1.0;
     }
     let contrast = (eta - 1.0) * (eta + 1.0);

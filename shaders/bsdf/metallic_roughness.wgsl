@@ -88,7 +88,7 @@ fn specular_probability(bsdf: Bsdf, wo: vec3<f32>) -> f32 {
     let E = albedo_ggx(wo.z, bsdf.roughness, is_smooth(bsdf));
     let specular = luminance(bsdf.eta * E.x + E.y);
     let diffuse = luminance(bsdf.reflectance) * diffuse_share(bsdf, wo.z);
-    if diffuse <= 0.0 {
+    if luminance(bsdf.reflectance) <= 0.0 {
         return 1.0;
     }
     return clamp(specular / (specular + diffuse), LOBE_PROBABILITY_MIN, 1.0 - LOBE_PROBABILITY_MIN);

@@ -23,7 +23,7 @@ pub fn F_dielectric(cos_theta: f64, eta: f64) -> f64 {
     }
     let c = cos_theta.abs().min(1.0);
     let q = snell_root(c, eta);
-    if q == 0.0 {
+    if q == 0.0 || c == 0.0 {
         return 1.0;
     }
     let contrast = (eta - 1.0) * (eta + 1.0);

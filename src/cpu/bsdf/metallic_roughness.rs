@@ -98,7 +98,7 @@ pub fn specular_probability(tables: &Tables, bsdf: &Bsdf, wo: DVec3) -> f64 {
     let E = albedo_ggx(tables, wo.z, bsdf.roughness, is_smooth(bsdf));
     let specular = luminance(bsdf.eta * E.x + E.y);
     let diffuse = luminance(bsdf.reflectance) * diffuse_share(tables, bsdf, wo.z);
-    if diffuse <= 0.0 {
+    if luminance(bsdf.reflectance) <= 0.0 {
         return 1.0;
     }
     (specular / (specular + diffuse)).clamp(LOBE_PROBABILITY_MIN, 1.0 - LOBE_PROBABILITY_MIN)

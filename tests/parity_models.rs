@@ -1,0 +1,240 @@
+//! `bsdf_eval` and `bsdf_sample` of every reflection model, WGSL on lavapipe against float64, over
+//! 100 000 queries each. A sample is judged twice: its direction against the twin's, and its f and pdf
+//! against the twin's evaluation of the very direction that it returned.
+#![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
+
+mod common;
+mod queries;
+
+use glam::DVec3;
+use queries::{COUNT, Inputs, Query, Value, compare, on_lavapipe, within};
+use snell::cpu::bsdf::bsdf::{bsdf_eval, bsdf_is_delta, bsdf_sample};
+use snell::shared::*;
+use snell::tables::tables;
+
+/// Fills in a model at random.
+fn model(inputs: &mut Inputs, model: u32, b: &mut Bsdf) {
+    b.model = model;
+    let rough = |inputs: &mut Inputs| match inputs.pick(16) {
+        0 => 0.0,
+        1 => 1.0,
+        _ => inputs.log_range(1e-3, 1.0),
+    };
+    b.roughness = inputs.unit();
+    b.distribution = DISTRIBUTION_GGX;
+    b.masking = MASKING_SMITH;
+    match model {
+        BSDF_TORRANCE_SPARROW | BSDF_SPECULAR_REFLECTION => {
+            b.fresnel = inputs.pick(5);
+            b.distribution = inputs.pick(4);
+            b.masking = inputs.pick(3);
+            b.eta = if b.fresnel == FRESNEL_DIELECTRIC {
+                [inputs.eta(), 0.0, 0.0]
+            } else if b.fresnel == FRESNEL_CONSTANT || b.fresnel == FRESNEL_SCHLICK {
+                inputs.color()
+            } else {
+                [1; 3].map(|_| inputs.log_range(0.05, 8.0))
+            };
+            b.k = [1; 3].map(|_| inputs.range(0.1, 10.0));
+        }
+        BSDF_ROUGH_DIELECTRIC | BSDF_DIELECTRIC | BSDF_SPECULAR_TRANSMISSION => {
+            b.distribution = inputs.pick(4);
+            b.masking = 1 + inputs.pick(2);
+            b.eta = [inputs.eta(), 0.0, 0.0];
+        }
+        BSDF_METALLIC_ROUGHNESS => {
+            b.fresnel = FRESNEL_SCHLICK;
+            b.eta = inputs.color();
+            b.k = [inputs.unit() * 0.3, 0.0, 0.0];
+            b.roughness = rough(inputs).sqrt();
+            b.alpha = [b.roughness * b.roughness; 2];
+            return;
+        }
+        _ => {}
+    }
+    let exponential = b.distribution <= DISTRIBUTION_ASHIKHMIN_SHIRLEY;
+    b.alpha = [1; 2].map(|_| {
+        if exponential {
+            inputs.log_range(0.01, 1e5)
+        } else {
+            rough(inputs)
+        }
+    });
+    if inputs.pick(2) == 0 {
+        b.alpha[1] = b.alpha[0];
+    }
+}
+
+fn queries(seed: u64, kind: u32) -> Vec<LabQuery> {
+    let tables = tables();
+    Inputs::new(seed).queries(|inputs, q| {
+        model(inputs, kind, &mut q.bsdf);
+        if inputs.pick(4) == 0 {
+            q.wo[2] = -q.wo[2];
+        }
+        if inputs.pick(4) == 0 {
+            q.wi[2] = -q.wi[2];
+        }
+        // Half of the light directions are where the lobe sends them.
+        if inputs.pick(2) == 0 {
+            let query = Query::from(&*q);
+            let sample = bsdf_sample(&tables, &query.bsdf, query.wo, query.u);
+            q.wi = sample.wi.as_vec3().into();
+        }
+    })
+}
+
+/// f is compared down to this: what is smaller adds nothing to a picture.
+const FLOOR: f64 = 1e-10;
+
+/// The diffuse part of glTF's material has factors 1 - E, differences that float32 knows to 1e-7.
+const FLOOR_METALLIC_ROUGHNESS: f64 = 2e-3;
+
+fn values(kind: u32) -> [Value; 4] {
+    let floor = if kind == BSDF_METALLIC_ROUGHNESS {
+        FLOOR_METALLIC_ROUGHNESS
+    } else {
+        FLOOR
+    };
+    ["f.x", "f.y", "f.z", "pdf"].map(|name| within(name, floor))
+}
+
+/// Whether float32 directions resolve the lobe here: an answer that changes by more than `share` when wi
+/// moves by its last bit (6e-8) is one that no float32 arithmetic can give to a few times that share.
+fn is_resolved(tables: &Tables, q: &Query, share: f64) -> bool {
+    let e = bsdf_eval(tables, &q.bsdf, q.wo, q.wi);
+    let last_bit = f64::from(f32::EPSILON) / 2.0;
+    DVec3::AXES.iter().all(|axis| {
+        let moved = bsdf_eval(tables, &q.bsdf, q.wo, q.wi + last_bit * axis);
+        let change =
+            (moved.f.max_element() - e.f.max_element()).abs() / e.f.max_element().max(FLOOR);
+        change.max((moved.pdf - e.pdf).abs() / e.pdf.max(FLOOR)) < share
+    })
+}
+
+fn check_eval(title: &str, kind: u32) {
+    let tables = tables();
+    let queries = queries(100 + u64::from(kind), kind);
+    let gpu = on_lavapipe(
+        "import package::bsdf::bsdf::{bsdf_eval, bsdf_is_delta};",
+        "let e = bsdf_eval(q.bsdf, q.wo, q.wi);",
+        &[
+            "e.f.x",
+            "e.f.y",
+            "e.f.z",
+            "e.pdf",
+            "f32(bsdf_is_delta(q.bsdf))",
+        ],
+        &queries,
+    );
+    let mut expected = Vec::from(values(kind));
+    expected.push(within("bsdf_is_delta", 1.0));
+    compare(
+        &format!("eval {title}"),
+        &expected,
+        &queries,
+        &gpu,
+        |q| {
+            let e = bsdf_eval(&tables, &q.bsdf, q.wo, q.wi);
+            let delta = f64::from(u8::from(bsdf_is_delta(&q.bsdf)));
+            vec![e.f.x, e.f.y, e.f.z, e.pdf, delta]
+        },
+        // Only transmission needs it: facets seen edge on, where wo . wm is a difference.
+        |q, _| kind != BSDF_ROUGH_DIELECTRIC || is_resolved(&tables, q, 1e-4),
+    );
+}
+
+fn check_sample(title: &str, kind: u32) {
+    let tables = tables();
+    let queries = queries(200 + u64::from(kind), kind);
+    let gpu = on_lavapipe(
+        "import package::bsdf::bsdf::{bsdf_sample};",
+        "let s = bsdf_sample(q.bsdf, q.wo, q.u);",
+        &[
+            "s.f.x",
+            "s.f.y",
+            "s.f.z",
+            "s.pdf",
+            "s.wi.x",
+            "s.wi.y",
+            "s.wi.z",
+            "f32(s.delta)",
+        ],
+        &queries,
+    );
+    // Directions, and how often the two sides chose differently (a lobe or the horizon missed by a bit).
+    let (mut far, mut worst) = (0, 0.0f64);
+    let (mut alike, mut answers) = (Vec::new(), Vec::new());
+    for (mut query, answer) in queries.iter().copied().zip(&gpu) {
+        assert!(
+            answer.iter().all(|v| v.is_finite()),
+            "{title}: {answer:?} of {query:?}"
+        );
+        let q = Query::from(&query);
+        let twin = bsdf_sample(&tables, &q.bsdf, q.wo, q.u);
+        let wi = DVec3::new(answer[4].into(), answer[5].into(), answer[6].into());
+        query.wi = [answer[4], answer[5], answer[6]];
+        let same = (twin.pdf > 0.0) == (answer[3] > 0.0)
+            && f64::from(answer[7]) == f64::from(twin.delta)
+            && wi.z * twin.wi.z >= 0.0;
+        if !same {
+            continue;
+        }
+        let error = (wi - twin.wi).length();
+        far += usize::from(error > 1e-4);
+        worst = worst.max(error);
+        alike.push(query);
+        answers.push(*answer);
+    }
+    let parted = queries.len() - alike.len();
+    println!(
+        "sample {title:20} direction: max error {worst:9.2e}, {far} above 1e-4, {parted} chose differently"
+    );
+    // Facets seen edge on (u near 1) have directions that are differences of nearly equal vectors.
+    assert!(far < COUNT / 300, "{title}: {far} directions differ");
+    assert!(parted < COUNT / 3000, "{title}: {parted} samples differ");
+    // f and pdf of the direction that was returned; a delta's are those of the twin's own sample.
+    compare(
+        &format!("sample {title}"),
+        &values(kind),
+        &alike,
+        &answers,
+        |q| {
+            let twin = bsdf_sample(&tables, &q.bsdf, q.wo, q.u);
+            if twin.delta == 1 || twin.pdf == 0.0 {
+                return vec![twin.f.x, twin.f.y, twin.f.z, twin.pdf];
+            }
+            let e = bsdf_eval(&tables, &q.bsdf, q.wo, q.wi);
+            vec![e.f.x, e.f.y, e.f.z, e.pdf]
+        },
+        // A sample is evaluated before its direction is rounded: there the last bit matters.
+        |q, _| is_resolved(&tables, q, 2e-5),
+    );
+}
+
+macro_rules! models {
+    ($($name:ident $kind:ident,)*) => {$(
+        mod $name {
+            #[test]
+            fn evaluates_alike() {
+                super::check_eval(stringify!($name), snell::shared::$kind);
+            }
+            #[test]
+            fn samples_alike() {
+                super::check_sample(stringify!($name), snell::shared::$kind);
+            }
+        }
+    )*};
+}
+
+models! {
+    lambertian BSDF_LAMBERTIAN,
+    oren_nayar BSDF_OREN_NAYAR,
+    eon BSDF_OREN_NAYAR_EON,
+    specular_reflection BSDF_SPECULAR_REFLECTION,
+    specular_transmission BSDF_SPECULAR_TRANSMISSION,
+    dielectric BSDF_DIELECTRIC,
+    rough_dielectric BSDF_ROUGH_DIELECTRIC,
+    torrance_sparrow BSDF_TORRANCE_SPARROW,
+    metallic_roughness BSDF_METALLIC_ROUGHNESS,
+}
