@@ -11,11 +11,10 @@
 //! `(N - 1) * (albedo_coordinate(cos, roughness), roughness)` with indices clamped; the coordinate is
 //! taken at the roughness asked for, not at the rows'. The averages, pair `j`, are linear in roughness.
 //!
-//! The entries stand `MARGIN` above the truth, so that what is interpolated between them is never
-//! below it from the roughest lobe down to `ALPHA_SMOOTH`: a compensation by 1/E then cannot make
-//! energy. They are at most 0.006 above, and capped at 1, which leaves 5e-4 too little at cosines
-//! under 0.001. Made in f64 by a fixed rule, the same everywhere but for the
-//! last bit of f32.
+//! The entries stand a margin above the truth, so that what is interpolated between them is never below
+//! it, for any F0, from the roughest lobe down to `ALPHA_SMOOTH`: what a model makes of 1 - E or 1 / E
+//! then never makes energy. E is at most 0.012 above; it is capped at 1, which leaves up to 0.001
+//! too little at cosines under 0.02. Made in f64 by a fixed rule, the same everywhere but for the last bit of f32.
 
 use crate::shared::{ALBEDO_TABLE_SIZE, Tables};
 use bytemuck::Zeroable;
@@ -36,8 +35,10 @@ const AVERAGE_NODES: usize = 12;
 /// Steps that find the horizon (the integrand vanishes there, so few digits do) and the cosines.
 const BISECTIONS: usize = 24;
 
-/// What linear interpolation lacks at most, relative to the value; `tests/tables.rs` checks it.
-const MARGIN: f64 = 0.003;
+/// What linear interpolation lacks at most of x + y and of y, relative to the value. E is linear in F0
+/// between y and x + y, so what holds for both holds for every F0. `tests/tables.rs` checks it.
+const MARGIN_SUM: f64 = 0.003;
+const MARGIN_WHITE: f64 = 0.0095;
 
 /// Row 0 is made at this roughness, where the lobe is a mirror for every purpose but keeps its shape
 /// in the warped cosine; models never ask for less than the square root of `ALPHA_SMOOTH`.
@@ -74,10 +75,11 @@ fn write_pair(table: &mut [[f32; 4]], index: usize, pair: [f64; 2]) {
     table[index / 2][half + 1] = pair[1] as f32;
 }
 
-/// Adds `MARGIN` without passing 1.
+/// Adds the margins without passing 1.
 fn raise([x, y]: [f64; 2]) -> [f64; 2] {
-    let factor = (1.0 + MARGIN).min(1.0 / (x + y));
-    [x * factor, y * factor]
+    let sum = (1.0_f64).min((1.0 + MARGIN_SUM) * (x + y));
+    let white = sum.min((1.0 + MARGIN_WHITE) * y);
+    [sum - white, white]
 }
 
 /// Where a cosine lies on the tables' columns, 0 to 1: half by the square root of the cosine, half by
