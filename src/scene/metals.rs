@@ -105,11 +105,9 @@ pub const METALS: [Metal; 12] = [
     },
 ];
 
-/// The metal with this chemical symbol, in any case.
+/// The metal with this chemical symbol.
 pub fn metal(symbol: &str) -> Option<&'static Metal> {
-    METALS
-        .iter()
-        .find(|metal| metal.symbol.eq_ignore_ascii_case(symbol))
+    METALS.iter().find(|metal| metal.symbol == symbol)
 }
 
 #[cfg(test)]
@@ -147,9 +145,9 @@ mod tests {
     }
 
     #[test]
-    fn symbols_are_unique_and_found_in_any_case() {
+    fn symbols_are_unique() {
         for (i, a) in METALS.iter().enumerate() {
-            assert_eq!(metal(&a.symbol.to_lowercase()), Some(a));
+            assert_eq!(metal(a.symbol), Some(a));
             assert!(METALS[i + 1..].iter().all(|b| b.symbol != a.symbol));
         }
         assert_eq!(metal("unobtainium"), None);
