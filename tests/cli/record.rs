@@ -1,0 +1,151 @@
+//! Runs repeat byte for byte, and the record of a run is whole.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use crate::place::{Place, SMALL, channel};
+
+/// Renders twice and once in part; checks that the bytes are the same and the report is whole. All
+/// in one, since each run on lavapipe compiles the kernels anew.
+fn repeats_itself(renderer: &str, kind: &str) {
+    let place = Place::new();
+    let run = |rest: &str| {
+        place.succeed(&format!(
+            "render scene.gltf {rest} --aov variance,samples --seed 3 {renderer} {SMALL}"
+        ));
+    };
+    run("-o one.exr -o one.png --report one.json");
+    run("-o two.exr -o two.png");
+    run("-o crop.exr --crop 5,3,8,6");
+    for ending in ["exr", "png"] {
+        let same = place.read(&format!("one.{ending}")) == place.read(&format!("two.{ending}"));
+        assert!(same, "{renderer} {ending}");
+    }
+    let (all, crop) = (place.read("one.exr"), place.read("crop.exr"));
+    for name in ["R", "G", "B", "variance.G"] {
+        let (all, crop) = (channel(&all, name), channel(&crop, name));
+        assert_eq!(crop.len(), 48);
+        for (i, value) in crop.iter().enumerate() {
+            let (x, y) = (5 + i % 8, 3 + i / 8);
+            assert_eq!(*value, all[y * 16 + x], "{renderer} {name} {x},{y}");
+        }
+    }
+    check_report(&place.read("one.json"), kind);
+}
+
+#[test]
+fn runs_repeat_and_crops_agree_on_the_cpu() {
+    repeats_itself("--cpu", "cpu");
+}
+
+#[test]
+fn runs_repeat_and_crops_agree_on_lavapipe() {
+    repeats_itself("--adapter llvmpipe", "gpu");
+}
+
+/// Every promised field is there and nothing else.
+fn check_report(bytes: &[u8], kind: &str) {
+    let schema = fs::read("schema/report.schema.json").unwrap();
+    let schema: Value = serde_json::from_slice(&schema).unwrap();
+    let report: Value = serde_json::from_slice(bytes).unwrap();
+    validate(&schema, &schema, &report, "report");
+    assert_eq!(report["adapter"]["renderer"], kind);
+    assert_eq!(report["seed"], 3);
+    assert_eq!(report["samples"], json!([0, 4]));
+    assert_eq!(report["crop"], json!([0, 0, 16, 12]));
+    assert_eq!(report["camera"], "auto");
+    assert_eq!(report["outputs"], json!(["one.exr", "one.png"]));
+    assert_eq!(report["non_finite_samples"], 0);
+    assert!(report["rays"]["closest"].as_u64().unwrap() >= 16 * 12 * 4);
+    assert!(report["memory"]["packed"]["triangles"].as_u64().unwrap() > 0);
+    assert_eq!(report["scene"]["file"], "scene.gltf");
+    if kind == "gpu" {
+        let name = report["adapter"]["name"].as_str().unwrap();
+        assert!(name.contains("llvmpipe"), "{name}");
+        assert!(report["limits"]["max_buffer_size"].as_u64().unwrap() > 0);
+    }
+}
+
+/// The part of JSON Schema (2020-12) that schema/report.schema.json uses.
+fn validate(schema: &Value, root: &Value, value: &Value, at: &str) {
+    if let Some(target) = schema["$ref"].as_str() {
+        let found = root.pointer(target.trim_start_matches('#')).unwrap();
+        return validate(found, root, value, at);
+    }
+    if let Some(choices) = schema["anyOf"].as_array() {
+        let null = choices.iter().any(|c| c["type"] == "null");
+        if null && value.is_null() {
+            return;
+        }
+        return validate(&choices[0], root, value, at);
+    }
+    if let Some(allowed) = schema["enum"].as_array() {
+        assert!(allowed.contains(value), "{at}: {value}");
+        return;
+    }
+    let fits = match schema["type"].as_str().unwrap() {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "integer" => value.is_u64() || value.is_i64(),
+        "number" => value.is_number(),
+        "boolean" => value.is_boolean(),
+        other => panic!("{at}: the schema has type {other}"),
+    };
+    assert!(fits, "{at}: {value} is no {}", schema["type"]);
+    if let Some(least) = schema["minimum"].as_f64() {
+        assert!(value.as_f64().unwrap() >= least, "{at}: {value}");
+    }
+    if schema["pattern"] == "^fnv1a64:[0-9a-f]{16}$" {
+        let digits = value.as_str().unwrap().strip_prefix("fnv1a64:").unwrap();
+        assert!(digits.len() == 16 && digits.chars().all(|c| c.is_ascii_hexdigit()));
+    }
+    for key in schema["required"].as_array().into_iter().flatten() {
+        assert!(value.get(key.as_str().unwrap()).is_some(), "{at}: no {key}");
+    }
+    for (key, item) in value.as_object().into_iter().flatten() {
+        let at = format!("{at}.{key}");
+        match (
+            schema["properties"].get(key),
+            &schema["additionalProperties"],
+        ) {
+            (Some(schema), _) => validate(schema, root, item, &at),
+            (None, Value::Bool(false)) => panic!("{at} is not in the schema"),
+            (None, Value::Null) => {}
+            (None, schema) => validate(schema, root, item, &at),
+        }
+    }
+    let items = value.as_array().map_or(&[][..], Vec::as_slice);
+    if let Some(least) = schema["minItems"].as_u64() {
+        assert!(items.len() as u64 >= least, "{at}");
+    }
+    if let Some(most) = schema["maxItems"].as_u64() {
+        assert!(items.len() as u64 <= most, "{at}");
+    }
+    for (i, item) in items.iter().enumerate() {
+        validate(&schema["items"], root, item, &format!("{at}[{i}]"));
+    }
+}
+
+#[test]
+fn exr_holds_the_channels_asked_for_and_the_facts() {
+    let place = Place::new();
+    place.succeed(&format!(
+        "render scene.gltf -o a.exr --aov variance,samples --cpu --seed 9 {SMALL}"
+    ));
+    let bytes = place.read("a.exr");
+    assert!(channel(&bytes, "A").iter().all(|&a| a == 1.0));
+    assert!(channel(&bytes, "samples").iter().all(|&n| n == 4.0));
+    assert!(channel(&bytes, "variance.G").iter().any(|&v| v > 0.0));
+    assert!(channel(&bytes, "R").iter().any(|&v| v > 0.0));
+    let text = String::from_utf8_lossy(&bytes[..4096.min(bytes.len())]).into_owned();
+    for says in [
+        r#""seed":9"#,
+        r#""packed_hash":"fnv1a64:"#,
+        r#""renderer":"cpu""#,
+    ] {
+        assert!(text.contains(says), "no {says}");
+    }
+    assert!(!text.contains("times_ms"), "times change from run to run");
+}

@@ -1,0 +1,181 @@
+//! What ends a run, with which status, and that it leaves nothing behind.
+
+use std::fs;
+
+use serde_json::json;
+
+use crate::place::{Place, SMALL, assert_status, scene, stderr};
+
+#[test]
+fn wrong_usage_is_status_2_and_writes_nothing() {
+    let place = Place::new();
+    for (line, says) in [
+        ("", "Usage"),
+        ("paint scene.gltf", "paint"),
+        ("render scene.gltf", "--output"),
+        ("render -o a.png", "SCENE"),
+        ("render scene.gltf -o a.png --size 0x5", "each side"),
+        ("render scene.gltf -o a.png --size 100", "WxH"),
+        ("render scene.gltf -o a.png --spp 0", "--spp"),
+        (
+            "render scene.gltf -o a.png --spp 4 --samples 0..4",
+            "--samples",
+        ),
+        ("render scene.gltf -o a.png --samples 4..4", "A < B"),
+        ("render scene.gltf -o a.png --exposure nan", "finite"),
+        ("render scene.gltf -o a.png --env-strength -1", "negative"),
+        ("render scene.gltf -o a.png --background #12345", "#rrggbb"),
+        ("render scene.gltf -o a.png --background -1,0,0", "r,g,b"),
+        ("render scene.gltf -o a.png --tonemap reinhard", "neutral"),
+        (
+            "render scene.gltf -o a.png --cpu --adapter llvmpipe",
+            "--adapter",
+        ),
+        (
+            "render scene.gltf -o a.exr --aov normal",
+            "not available yet",
+        ),
+        ("render scene.gltf -o a.exr --aov colour", "variance"),
+        ("render scene.gltf -o a.png --aov variance", ".exr"),
+        ("render scene.gltf -o a.png --max-memory 12Q", "bytes"),
+        ("render scene.gltf -o a.png --crop 10,10,10,0", "one pixel"),
+        (
+            "render scene.gltf -o a.png --size 16x12 --crop 10,0,7,1",
+            "inside",
+        ),
+        ("render scene.gltf -o a.png --orbit 0,90", "THETA"),
+        (
+            "render scene.gltf -o a.png --camera 0",
+            "the scene has none",
+        ),
+        ("render scene.gltf -o picture.bmp", "'picture.bmp'"),
+        ("render scene.gltf -o picture", ".webp"),
+        ("render scene.gltf -o a.png -o a.png", "more than once"),
+        ("render scene.gltf -o - --report -", "more than once"),
+    ] {
+        let output = place.run(line);
+        assert_status(&output, 2, line);
+        assert!(
+            stderr(&output).contains(says),
+            "{line}:\n{}",
+            stderr(&output)
+        );
+        assert_eq!(place.names(), ["scene.gltf"], "{line} left a file");
+    }
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_known_before_loading() {
+    let place = Place::new();
+    // The scene is missing as well: had it been read, the status would be 3.
+    place.fail("render none.gltf -o missing/a.png", 8, "missing/a.png");
+    place.fail(
+        "render none.gltf -o scene.gltf/a.png",
+        8,
+        "scene.gltf/a.png",
+    );
+    place.fail(
+        "render none.gltf -o a.png --report missing/r.json",
+        8,
+        "missing/r.json",
+    );
+    fs::create_dir(place.path("folder.png")).unwrap();
+    place.fail("render none.gltf -o folder.png", 8, "is a folder");
+}
+
+#[test]
+fn bad_scenes_have_statuses_of_their_own() {
+    let place = Place::new();
+    place.fail("render none.gltf -o a.png", 3, "none.gltf");
+
+    place.write("cut.glb", b"glTF\x02\0\0\0\xff\0\0\0");
+    place.fail("render cut.glb -o a.png", 3, "cut.glb");
+
+    let mut broken = scene();
+    broken["accessors"][0]["bufferView"] = json!(7);
+    place.write("index.gltf", broken.to_string().as_bytes());
+    place.fail("render index.gltf -o a.png", 3, "accessors[0]");
+
+    let mut required = scene();
+    required["extensionsUsed"] = json!(["ACME_teapots"]);
+    required["extensionsRequired"] = json!(["ACME_teapots"]);
+    place.write("required.gltf", required.to_string().as_bytes());
+    place.fail("render required.gltf -o a.png", 4, "ACME_teapots");
+
+    let mut ignored = scene();
+    ignored["extensionsUsed"] = json!(["KHR_materials_clearcoat"]);
+    ignored["materials"][0]["extensions"] =
+        json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1.0 } });
+    place.write("ignored.gltf", ignored.to_string().as_bytes());
+    place.fail(
+        "render ignored.gltf -o a.png --strict",
+        4,
+        "KHR_materials_clearcoat",
+    );
+    let output = place.succeed(&format!("render ignored.gltf -o a.png --cpu {SMALL}"));
+    assert!(stderr(&output).contains("note: KHR_materials_clearcoat"));
+}
+
+#[test]
+fn memory_ceilings_are_kept() {
+    let place = Place::new();
+    place.fail(
+        "render scene.gltf -o a.png --size 60000x60000",
+        6,
+        "--max-memory",
+    );
+    place.fail(
+        "render scene.gltf -o a.png --size 2x2 --max-memory 1K",
+        6,
+        "--max-memory",
+    );
+}
+
+#[test]
+fn without_an_adapter_the_cpu_renders_and_says_what_to_install() {
+    let place = Place::new();
+    let line = format!("render scene.gltf -o a.png {SMALL}");
+    let output = place.run_without_adapter(&line);
+    assert_status(&output, 0, &line);
+    let text = stderr(&output);
+    let fallback: Vec<&str> = text.lines().filter(|l| l.contains("on the CPU:")).collect();
+    assert_eq!(fallback.len(), 1, "{text}");
+    assert!(fallback[0].contains("mesa-vulkan-drivers"), "{text}");
+    assert!(text.contains("on CPU reference, float64"), "{text}");
+    assert_eq!(place.names(), ["a.png", "scene.gltf"]);
+
+    let output = place.run_without_adapter("render scene.gltf -o b.png --adapter llvmpipe");
+    assert_status(&output, 5, "--adapter");
+    assert!(stderr(&output).contains("llvmpipe"));
+    assert!(!place.path("b.png").exists());
+}
+
+#[test]
+fn an_adapter_that_is_not_there_is_named_with_those_that_are() {
+    let place = Place::new();
+    place.fail("render scene.gltf -o a.png --adapter Voodoo", 5, "llvmpipe");
+}
+
+#[test]
+fn doctor_lists_adapters_or_says_what_is_wrong() {
+    let place = Place::new();
+    let output = place.succeed("doctor");
+    let text = String::from_utf8(output.stdout).unwrap();
+    for says in [
+        "llvmpipe",
+        "vulkan",
+        "a storage binding",
+        "usable    yes",
+        "CPU renderer",
+    ] {
+        assert!(text.contains(says), "no '{says}' in:\n{text}");
+    }
+    let output = place.run_without_adapter("doctor");
+    assert_status(&output, 5, "doctor");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        text.contains("VK_DRIVER_FILES names '/nonexistent'"),
+        "{text}"
+    );
+    assert!(stderr(&output).contains("apt-get install mesa-vulkan-drivers libvulkan1"));
+}
