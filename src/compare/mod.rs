@@ -4,7 +4,7 @@
 pub mod map;
 pub mod statistics;
 
-use crate::film::Film;
+use crate::film::{Film, FilmPixel};
 use statistics::{p_value_student, sidak};
 
 /// How many of the worst pixels a verdict names.
@@ -108,9 +108,19 @@ pub fn z_test(a: &Film, b: &Film, alpha: f64) -> Verdict {
         rejected += usize::from(p < alpha_pixel);
         (p < alpha_pixel).then(|| tests.iter().fold(0.0, |z: f64, t| z.max(t.0.abs())))
     });
-    let p_mean = std::array::from_fn(|c| average_test(a, b, |film, i| film.pixels[i].mean()[c]));
-    let p_variance =
-        std::array::from_fn(|c| average_test(a, b, |film, i| film.pixels[i].sample_variance()[c]));
+    let p_mean = std::array::from_fn(|c| {
+        let mean = |pixel: &FilmPixel| pixel.mean()[c];
+        average_test(a, b, mean, mean)
+    });
+    // A variance is a difference of sums of squares, and is rounded as they are.
+    let p_variance = std::array::from_fn(|c| {
+        average_test(
+            a,
+            b,
+            |pixel| pixel.sample_variance()[c],
+            |pixel| pixel.sum_sq[c] / f64::from(pixel.samples),
+        )
+    });
     let averages_same = p_mean
         .iter()
         .chain(&p_variance)
@@ -128,10 +138,12 @@ pub fn z_test(a: &Film, b: &Film, alpha: f64) -> Verdict {
     }
 }
 
+/// The relative difference between one radiance summed in float32 and in float64, in another order:
+/// a difference below it is no evidence.
+const ROUNDING: f64 = 1e-5;
+
 /// Student's t statistic and its p-value for the means of one pixel's channel.
 fn pixel_test(a: &Film, b: &Film, i: usize, c: usize) -> (f64, f64) {
-    /// Sums of one radiance taken in another order, in float32 on one side, differ by this much.
-    const ROUNDING: f64 = 1e-5;
     let (pa, pb) = (&a.pixels[i], &b.pixels[i]);
     let (ma, mb) = (pa.mean()[c], pb.mean()[c]);
     let (na, nb) = (f64::from(pa.samples), f64::from(pb.samples));
@@ -155,12 +167,23 @@ fn pixel_test(a: &Film, b: &Film, i: usize, c: usize) -> (f64, f64) {
 
 /// The p-value of the differences' average over the picture being zero. Pixels are independent, and
 /// their differences' own spread says how far the average may be from zero, whatever the number of
-/// samples and the shape of their distribution.
-fn average_test(a: &Film, b: &Film, value: impl Fn(&Film, usize) -> f64) -> f64 {
-    let differences: Vec<f64> = (0..a.pixels.len())
-        .map(|i| value(a, i) - value(b, i))
+/// samples and the shape of their distribution. `scale` is what rounding is relative to.
+fn average_test(
+    a: &Film,
+    b: &Film,
+    value: impl Fn(&FilmPixel) -> f64,
+    scale: impl Fn(&FilmPixel) -> f64,
+) -> f64 {
+    let pairs = || a.pixels.iter().zip(&b.pixels);
+    let differences: Vec<f64> = pairs()
+        .map(|(pa, pb)| value(pa) - value(pb))
         .filter(|d| d.is_finite())
         .collect();
+    let scale: f64 = pairs()
+        .map(|(pa, pb)| scale(pa).max(scale(pb)))
+        .filter(|s| s.is_finite())
+        .sum::<f64>()
+        / differences.len() as f64;
     let n = differences.len() as f64;
     if n < 2.0 {
         return 1.0;
@@ -171,7 +194,7 @@ fn average_test(a: &Film, b: &Film, value: impl Fn(&Film, usize) -> f64) -> f64 
         .map(|d| (d - average).powi(2))
         .sum::<f64>()
         / (n - 1.0);
-    if average == 0.0 {
+    if average.abs() <= ROUNDING * scale {
         return 1.0;
     }
     p_value_student(average / (spread / n).sqrt(), n - 1.0)

@@ -92,7 +92,7 @@ pub fn assert_parity(name: &str, gpu: &Film, cpu: &Film) -> String {
     );
     if within.fraction < 0.99 || !verdict.same || gpu.non_finite() + cpu.non_finite() > 0 {
         write_maps(&project("tests/current"), name, gpu, cpu).unwrap();
-        panic!("{line}; worst: {:?}", within.worst);
+        panic!("{line}; worst: {:?}; {verdict:?}", within.worst);
     }
     line
 }
