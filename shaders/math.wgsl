@@ -4,13 +4,11 @@
 
 const PI: f32 = 3.14159265358979;
 const INV_PI: f32 = 0.318309886183791;
-const SQRT_PI: f32 = 1.77245385090552;
 const LN_2_HIGH: f32 = 0.693359375; // 15 bits, so that its product with an exponent is exact
 const LN_2_LOW: f32 = -2.12194440e-4;
 const PI_2_HIGH: f32 = 1.5703125;   // pi / 2 in three parts, the first two short
 const PI_2_MIDDLE: f32 = 4.837512969970703e-4;
 const PI_2_LOW: f32 = 7.54978995489188e-8;
-const FIXED_ONE: f32 = 65536.0;     // where squares_minus_one cuts: 16 bits before the point, 16 behind
 
 // An orthonormal frame: tangent, bitangent, normal.
 struct Basis {
@@ -73,43 +71,6 @@ fn to_local(basis: Basis, v: vec3<f32>) -> vec3<f32> {
 
 fn to_world(basis: Basis, v: vec3<f32>) -> vec3<f32> {
     return v.x * basis.t + v.y * basis.b + v.z * basis.n;
-}
-
-// shader only: float64 has a fused multiply-add that gives the rounding error at once.
-fn high_half(a: f32) -> f32 {
-    return bitcast<f32>(bitcast<u32>(a) & 0xfffff000u);
-}
-
-// a * b as (rounded product, its rounding error).
-fn two_product(a: f32, b: f32) -> vec2<f32> {
-    // Dekker 1971, "A Floating-Point Technique for Extending the Available Precision"; the halves are
-    // cut by bits, so that all partial products are exact and contraction to fma changes nothing.
-    let p = a * b;
-    let ah = high_half(a);
-    let bh = high_half(b);
-    let al = a - ah;
-    let bl = b - bh;
-    return vec2(p, ((ah * bh - p) + ah * bl + al * bh) + al * bl);
-}
-
-// a * b + c, rounded about once: where product and c cancel, their difference is exact.
-fn product_sum(a: f32, b: f32, c: f32) -> f32 {
-    let p = two_product(a, b);
-    return (p.x + c) + p.y;
-}
-
-// a^2 + b^2 - c^2 - 1 to 1e-7 of itself, or to 1e-11 where it cancels to less.
-fn squares_minus_one(a: f32, b: f32, c: f32) -> f32 {
-    let aa = two_product(a, a);
-    let bb = two_product(b, b);
-    let cc = two_product(c, c);
-    // Cut at a fixed place, the high parts sum exactly and the low parts to very little. Knuth's exact
-    // sum is no help here: drivers simplify (a + b) - a to b.
-    let squares = vec3(aa.x, bb.x, cc.x);
-    let high = floor(squares * FIXED_ONE) / FIXED_ONE;
-    let low = squares - high;
-    let low_sum = (low.x + low.y - low.z) + (aa.y + bb.y - cc.y);
-    return (high.x - 1.0 + high.y - high.z) + low_sum;
 }
 
 // e^x; 0 below the smallest normal number, the largest finite number above it.
@@ -257,59 +218,4 @@ fn acos_accurate(x: f32) -> f32 {
 
 fn asin_accurate(x: f32) -> f32 {
     return atan2_accurate(x, safe_sqrt((1.0 - x) * (1.0 + x)));
-}
-
-// e^(x^2) erfc(x), x >= 0: the complementary error function without its steep part.
-fn erfcx_accurate(x: f32) -> f32 {
-    // Shepherd and Laframboise 1981, "Chebyshev Approximation of (1 + 2x) exp(x^2) erfc x in
-    // 0 <= x < infinity": the same quantity in t = (x - 3) / (x + 3); own fit, error 3e-9.
-    let t = (x - 3.0) / (x + 3.0);
-    var p = 3.861849137e-6;
-    p = p * t + 7.731024224e-5;
-    p = p * t - 0.0001041307143;
-    p = p * t - 0.000726453679;
-    p = p * t + 0.001888112865;
-    p = p * t + 0.00249911687;
-    p = p * t - 0.02377033468;
-    p = p * t + 0.06831656777;
-    p = p * t - 0.1192736913;
-    p = p * t + 0.1296441143;
-    p = p * t - 0.0475622927;
-    p = p * t - 0.1356210694;
-    p = p * t + 1.253008058;
-    return p / (1.0 + 2.0 * x);
-}
-
-fn erfc_accurate(x: f32) -> f32 {
-    let tail = exp_accurate(-x * x) * erfcx_accurate(abs(x));
-    return select(tail, 2.0 - tail, x < 0.0);
-}
-
-fn erf_accurate(x: f32) -> f32 {
-    if abs(x) > 0.5 {
-        return select(1.0 - erfc_accurate(x), erfc_accurate(-x) - 1.0, x < 0.0);
-    }
-    // Maclaurin's series.
-    let z = x * x;
-    var p = 1.0 / 1320.0;
-    p = -p * z + 1.0 / 216.0;
-    p = -p * z + 1.0 / 42.0;
-    p = -p * z + 1.0 / 10.0;
-    p = -p * z + 1.0 / 3.0;
-    return (2.0 / SQRT_PI) * (x - x * z * p);
-}
-
-// The x with erfc(-x) / 2 = u: a number distributed as e^(-x^2) / sqrt(pi) for u uniform in [0, 1).
-fn normal_quantile(u: f32) -> f32 {
-    let v = max(min(u, 1.0 - u), 1.4901161e-8); // 2^-26: half of the smallest u above 0
-    // Start: Winitzki 2008, "A handy approximation for the error function and its inverse", eq. 7.
-    let l = log_accurate(4.0 * v * (1.0 - v));
-    let h = 4.33074675 + 0.5 * l; // 2 / (0.147 pi)
-    var t = safe_sqrt(sqrt(max(h * h - l / 0.147, 0.0)) - h);
-    // Two steps of Halley's method on erfc(t) / 2 = v.
-    for (var i = 0; i < 2; i++) {
-        let newton = (0.5 * erfcx_accurate(t) - v * exp_accurate(t * t)) * SQRT_PI;
-        t += newton / (1.0 - t * newton);
-    }
-    return select(t, -t, u < 0.5);
 }

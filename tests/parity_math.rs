@@ -5,7 +5,7 @@ mod common;
 mod queries;
 
 use queries::{Inputs, compare, on_lavapipe, relative, within};
-use snell::cpu::math::*;
+use snell::cpu::{erf::*, exact::*, math::*};
 
 #[test]
 fn exponentials() {
@@ -117,7 +117,7 @@ fn error_functions() {
         ];
     });
     let gpu = on_lavapipe(
-        "import package::math::{erf_accurate, erfc_accurate, erfcx_accurate, normal_quantile};",
+        "import package::erf::{erf_accurate, erfc_accurate, erfcx_accurate, normal_quantile};",
         "",
         &[
             "erf_accurate(q.wo.x)",
@@ -163,7 +163,7 @@ fn exact_sums() {
             -q.wi[0] * q.wi[1] * (1.0 + inputs.range(-1.0, 1.0) * inputs.log_range(1e-5, 1.0));
     });
     let gpu = on_lavapipe(
-        "import package::math::{squares_minus_one, product_sum};",
+        "import package::exact::{squares_minus_one, product_sum};",
         "",
         &[
             "squares_minus_one(q.wo.x, q.wo.y, 0.0)",

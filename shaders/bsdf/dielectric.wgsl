@@ -2,7 +2,8 @@
 // side's, seen from wo. Radiance is transported: f carries eta_o^2 / eta_i^2 through the surface.
 
 import package::shared::{Bsdf};
-import package::math::{sqr, product_sum};
+import package::math::{sqr};
+import package::exact::{product_sum};
 import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of, is_reflected, is_transmitted, MIN_COS, ETA_MATCHED};
 import package::bsdf::fresnel::{F_dielectric, T_dielectric, T_dielectric_cosines};
 import package::bsdf::specular::{reflection_direction, refraction_direction};

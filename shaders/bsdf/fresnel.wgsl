@@ -1,7 +1,8 @@
 // How much a smooth boundary reflects, of unpolarised light.
 
 import package::shared::{Bsdf, FRESNEL_DIELECTRIC, FRESNEL_CONDUCTOR, FRESNEL_CONDUCTOR_APPROXIMATE, FRESNEL_SCHLICK};
-import package::math::{sqr, safe_sqrt, squares_minus_one};
+import package::math::{sqr, safe_sqrt};
+import package::exact::{squares_minus_one};
 
 // eta cos theta_t, what Snell's law leaves of the cosine on the far side; 0 from the critical angle on.
 fn snell_root(cos_theta: f32, eta: f32) -> f32 {

@@ -1,7 +1,8 @@
 // How much of a facet is hidden: from the viewer, from the light.
 
 import package::shared::{Bsdf, DISTRIBUTION_GGX, MASKING_V_CAVITY, MASKING_SMITH};
-import package::math::{SQRT_PI, sqr, exp_accurate, erfc_accurate, erfcx_accurate};
+import package::math::{sqr, exp_accurate};
+import package::erf::{SQRT_PI, erfc_accurate, erfcx_accurate};
 import package::bsdf::distribution::{facet_alpha};
 
 // Smith's Lambda of GGX.

@@ -2,7 +2,8 @@
 // lobes that follow them. eta is the far side's index over the near side's, seen from wo.
 
 import package::shared::{Bsdf};
-import package::math::{PI, sqr, squares_minus_one, asin_accurate};
+import package::math::{PI, sqr, asin_accurate};
+import package::exact::{squares_minus_one};
 import package::bsdf::lobe::{MIN_COS, BsdfSample, no_sample, mirrored};
 import package::bsdf::fresnel::{snell_root, T_dielectric, fresnel_F};
 

@@ -1,6 +1,7 @@
 // Facet normals drawn as often as a viewer sees them, with density G1(wo) D(wm) (wo . wm) / cos theta_o.
 
-import package::math::{PI, SQRT_PI, sqr, exp_accurate, erfc_accurate, sincos_accurate, normal_quantile, normalize_accurate};
+import package::math::{PI, sqr, exp_accurate, sincos_accurate, normalize_accurate};
+import package::erf::{SQRT_PI, erfc_accurate, normal_quantile};
 
 // Beckmann slopes beyond this are rarer than float32's smallest u.
 const SLOPE_FAR: f32 = 6.0;

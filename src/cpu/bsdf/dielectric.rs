@@ -11,7 +11,8 @@ use super::lobe::{
 use super::masking::facet_G2;
 use super::specular::{reflection_direction, refraction_direction};
 use super::torrance_sparrow::{facet_pdf, facet_sample, half_vector, torrance_sparrow_shape};
-use crate::cpu::math::{product_sum, sqr};
+use crate::cpu::exact::product_sum;
+use crate::cpu::math::sqr;
 use glam::{DVec2, DVec3, DVec4};
 
 /// Whether the boundary acts as a smooth one: by its facets, or because both sides are nearly alike.

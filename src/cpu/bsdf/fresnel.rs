@@ -1,7 +1,8 @@
 //! How much a smooth boundary reflects, of unpolarised light.
 
 use super::Bsdf;
-use crate::cpu::math::{safe_sqrt, sqr, squares_minus_one};
+use crate::cpu::exact::squares_minus_one;
+use crate::cpu::math::{safe_sqrt, sqr};
 use crate::shared::{
     FRESNEL_CONDUCTOR, FRESNEL_CONDUCTOR_APPROXIMATE, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK,
 };

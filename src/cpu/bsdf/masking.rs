@@ -2,7 +2,8 @@
 
 use super::Bsdf;
 use super::distribution::facet_alpha;
-use crate::cpu::math::{SQRT_PI, erfcx_accurate, exp_accurate, sqr};
+use crate::cpu::erf::{SQRT_PI, erfcx_accurate};
+use crate::cpu::math::{exp_accurate, sqr};
 use crate::shared::{DISTRIBUTION_GGX, MASKING_SMITH, MASKING_V_CAVITY};
 use glam::{DVec2, DVec3};
 

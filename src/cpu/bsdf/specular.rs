@@ -4,7 +4,8 @@
 use super::Bsdf;
 use super::fresnel::{T_dielectric, fresnel_F, snell_root};
 use super::lobe::{BsdfSample, MIN_COS, no_sample};
-use crate::cpu::math::{PI, asin_accurate, sqr, squares_minus_one};
+use crate::cpu::exact::squares_minus_one;
+use crate::cpu::math::{PI, asin_accurate, sqr};
 use glam::DVec3;
 
 /// theta_o = theta_i and phi_o = phi_i +- pi about n.

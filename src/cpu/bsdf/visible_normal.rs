@@ -1,9 +1,7 @@
 //! Facet normals drawn as often as a viewer sees them, with density G1(wo) D(wm) (wo . wm) / cos theta_o.
 
-use crate::cpu::math::{
-    PI, SQRT_PI, erfc_accurate, exp_accurate, normal_quantile, normalize_accurate, sincos_accurate,
-    sqr,
-};
+use crate::cpu::erf::{SQRT_PI, erfc_accurate, normal_quantile};
+use crate::cpu::math::{PI, exp_accurate, normalize_accurate, sincos_accurate, sqr};
 use glam::{DVec2, DVec3};
 
 /// Beckmann slopes beyond this are rarer than float32's smallest u.
