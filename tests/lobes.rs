@@ -271,3 +271,22 @@ fn directions_in_the_surface_answer_nothing() {
         );
     }
 }
+
+#[test]
+fn torrance_sparrow_is_the_lectures_formula() {
+    let tables = tables();
+    let e = DVec2::new(40.0, 300.0);
+    for (masking, G) in [(MASKING_NONE, None), (MASKING_V_CAVITY, Some(2.0))] {
+        let bsdf = lobe(DISTRIBUTION_ASHIKHMIN_SHIRLEY, e.to_array(), masking);
+        for (wo, wi) in pairs() {
+            let h = (wo + wi).normalize();
+            let phi = h.y.atan2(h.x);
+            let D = ((e.x + 2.0) * (e.y + 2.0)).sqrt() / (2.0 * PI)
+                * h.z.powf(e.x * sqr(phi.cos()) + e.y * sqr(phi.sin()));
+            let G = G.map_or(1.0, |two| (two * h.z * wo.z.min(wi.z) / wo.dot(h)).min(1.0));
+            let want = D * G / (4.0 * wo.z * wi.z);
+            let got = bsdf_eval(&tables, &bsdf, wo, wi).f.x;
+            assert!((got - want).abs() <= 1e-9 * want, "{got} {want}");
+        }
+    }
+}

@@ -229,3 +229,28 @@ fn half_vector_jacobian_is_a_ratio_of_areas() {
         assert!((area(&refract, wm) * jacobian - 1.0).abs() < 1e-3);
     }
 }
+
+#[test]
+fn oren_nayar_is_the_lectures_formula() {
+    let rho = DVec3::splat(0.7);
+    for sigma in [0.1f64, 0.3, 1.0] {
+        let sigma2 = sigma * sigma;
+        let A = 1.0 - sigma2 / (2.0 * (sigma2 + 0.33));
+        let B = 0.45 * sigma2 / (sigma2 + 0.09);
+        for theta_o in [0.0f64, 0.5, 1.3] {
+            for theta_i in [0.1f64, 0.9, 1.5] {
+                for phi in [0.0f64, 1.0, 2.5] {
+                    let (alpha, beta) = (theta_o.max(theta_i), theta_o.min(theta_i));
+                    let want = 0.7 / PI * (A + B * phi.cos().max(0.0) * alpha.sin() * beta.tan());
+                    let got = f_oren_nayar(
+                        rho,
+                        sigma,
+                        direction(theta_o, 0.4),
+                        direction(theta_i, 0.4 + phi),
+                    );
+                    assert!((got.x - want).abs() < 1e-14);
+                }
+            }
+        }
+    }
+}
