@@ -9,6 +9,13 @@ cd "$(dirname "$0")/.."
 say() { printf 'tests/run.sh: %s\n' "$*"; }
 fail() { printf 'tests/run.sh: error: %s\n' "$*" >&2; exit 1; }
 
+command -v cargo >/dev/null || fail "there is no cargo; install Rust (https://rustup.rs)"
+# Rust from rustup's minimal profile lacks these two.
+if ! cargo fmt --version >/dev/null 2>&1 || ! cargo clippy --version >/dev/null 2>&1; then
+    command -v rustup >/dev/null || fail "rustfmt or clippy is missing; install both with your Rust"
+    rustup component add rustfmt clippy
+fi
+
 # The driver's manifest; its name carries the architecture (lvp_icd.x86_64.json, lvp_icd.json ...).
 lavapipe() {
     local file
