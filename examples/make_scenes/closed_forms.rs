@@ -7,6 +7,9 @@ use serde_json::{Value, json};
 /// Of the furnace's sphere, which must show just this in a room of radiance 1.
 pub const FURNACE_REFLECTANCE: [f64; 3] = [0.8, 0.5, 0.2];
 
+/// Half the height of what its camera sees, in radii of the body.
+pub const FURNACE_HALF_HEIGHT: f64 = 1.4;
+
 /// A convex Lambertian body in a room of radiance 1: its radiance is its reflectance, everywhere.
 pub fn furnace() -> String {
     let mut document = Document::default();
@@ -16,7 +19,7 @@ pub fn furnace() -> String {
     document.add("room", &block([-4.0; 3], [4.0; 3]).inside_out(), room);
     // Flat faces: interpolated normals would lean over some faces' horizons and lose a little light.
     document.add("body", &faceted_sphere(32, 16), body);
-    look_along_z(&mut document, 1.4, 1.4);
+    look_along_z(&mut document, FURNACE_HALF_HEIGHT);
     document.finish()
 }
 
@@ -65,11 +68,11 @@ pub fn white_furnace() -> String {
         for (column, (name, model)) in models.into_iter().enumerate() {
             let material = document.bsdf(name, model);
             let mesh = document.mesh(name, &[(shape, material)]);
-            let at = [1.1 * (column as f64 - 1.5), 0.55 - 1.1 * row as f64, 0.0];
+            let at = [1.15 * (column as f64 - 1.5), 0.8 - 1.6 * row as f64, 0.0];
             document.place(name, mesh, 0.5, at);
         }
     }
-    look_along_z(&mut document, 2.4, 1.2);
+    look_along_z(&mut document, 1.8);
     document.finish()
 }
 
@@ -124,6 +127,7 @@ fn orthographic(xmag: f64, ymag: f64) -> Value {
         {"xmag": xmag, "ymag": ymag, "znear": 0.01, "zfar": 20.0}})
 }
 
-fn look_along_z(document: &mut Document, xmag: f64, ymag: f64) {
-    document.camera(orthographic(xmag, ymag), [0.0, 0.0, 3.0], 0.0);
+fn look_along_z(document: &mut Document, half_height: f64) {
+    let camera = orthographic(half_height * 4.0 / 3.0, half_height);
+    document.camera(camera, [0.0, 0.0, 3.0], 0.0);
 }

@@ -37,7 +37,10 @@ pub const GOLD_K: [f64; 3] = [3.403, 2.231, 1.869];
 pub const ABSORBER_ETA: [f64; 3] = [1.5, 1.5, 1.5];
 pub const ABSORBER_K: [f64; 3] = [0.0, 0.5, 1.5];
 
-/// Cosine of the angle of incidence at the picture's point (x, y), both from -1 to 1, y up.
+/// The picture's width over its height.
+pub const ASPECT: f64 = 4.0 / 3.0;
+
+/// Cosine of the angle of incidence at the picture's point (x, y), in halves of its height, y up.
 pub fn cos_incidence(x: f64, y: f64) -> f64 {
     // The ray's direction in the camera's frame is (x, y, -1); the floor's normal there (0, 1, 1)/sqrt 2.
     (1.0 - y) / (2.0 * (x * x + y * y + 1.0)).sqrt()
@@ -58,14 +61,14 @@ pub fn scene() -> String {
     );
 
     let bands = bands();
-    let width = 2.0 / bands.len() as f64;
+    let width = 2.0 * ASPECT / bands.len() as f64;
     for (i, (name, fresnel)) in bands.into_iter().enumerate() {
         let material = document.bsdf(
             name,
             json!({"model": "specular-reflection", "fresnel": fresnel}),
         );
-        let left = -1.0 + width * (i as f64 + GAP);
-        let right = -1.0 + width * (i as f64 + 1.0 - GAP);
+        let left = -ASPECT + width * (i as f64 + GAP);
+        let right = -ASPECT + width * (i as f64 + 1.0 - GAP);
         // The line that is seen in the picture's column k: x = k (camera height - z) / sqrt 2.
         let at = |k: f64, z: f64| {
             [
@@ -86,7 +89,7 @@ pub fn scene() -> String {
 
     let right_angle = std::f64::consts::FRAC_PI_2;
     let camera = json!({"type": "perspective", "perspective":
-        {"yfov": right_angle, "aspectRatio": 1.0, "znear": 0.01}});
+        {"yfov": right_angle, "aspectRatio": ASPECT, "znear": 0.01}});
     document.camera(camera, [0.0, CAMERA_HEIGHT, 0.0], -0.5 * right_angle);
     document.finish()
 }

@@ -140,8 +140,8 @@ pub fn scene() -> String {
     }
 
     let camera = json!({"type": "perspective", "perspective":
-        {"yfov": 0.43, "aspectRatio": 1.5, "znear": 0.1}});
-    document.camera(camera, [0.0, 8.0, 11.2], -0.62);
+        {"yfov": 0.475, "aspectRatio": 4.0 / 3.0, "znear": 0.1}});
+    document.camera(camera, [0.0, 9.3, 10.2], -0.735);
     document.finish()
 }
 

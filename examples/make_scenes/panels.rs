@@ -61,8 +61,8 @@ pub const SLAB_ETA: f64 = 1.5;
 pub const SLAB_TILTS: [f64; 4] = [0.0, 40.0, 56.309_932_474_020_215, 75.0];
 pub const SLAB_THICKNESS: f64 = 0.04;
 /// Half extents of a slab as seen: it covers this much of the picture whatever its tilt.
-pub const SLAB_SEEN: [f64; 2] = [0.38, 0.7];
-pub const SLAB_HALF_EXTENTS: [f64; 2] = [2.0, 1.0];
+pub const SLAB_SEEN: [f64; 2] = [0.38, 1.1];
+pub const SLAB_HALF_EXTENTS: [f64; 2] = [2.0, 1.5];
 pub const SLAB_PANEL: [f64; 3] = [0.8, 0.8, 0.8];
 
 /// x of a slab's middle.
@@ -78,7 +78,7 @@ pub fn slab() -> String {
     let mut document = Document::default();
     let panel = document.emitter("panel", SLAB_PANEL);
     let glass = document.bsdf("glass", json!({"model": "dielectric", "eta": SLAB_ETA}));
-    let shape = upright([-1.95, 1.95], [-0.9, 0.9], -PANEL_DISTANCE);
+    let shape = upright([-1.95, 1.95], [-1.3, 1.3], -PANEL_DISTANCE);
     document.add("panel", &shape, panel);
     for (i, tilt) in SLAB_TILTS.into_iter().enumerate() {
         let (sin, cos) = tilt.to_radians().sin_cos();
