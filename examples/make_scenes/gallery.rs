@@ -152,7 +152,7 @@ fn stage(document: &mut Document) {
     };
     let paper = document.bsdf("paper", diffuse(0.45));
     let rim = document.bsdf("tray", diffuse(0.06));
-    let dark = document.bsdf("dark squares", diffuse(0.1));
+    let dark = document.bsdf("dark squares", diffuse(0.15));
     let light = document.bsdf("light squares", diffuse(0.6));
 
     // The tray's board is at y = 0, and the paper under it at the tray's foot.
@@ -210,12 +210,18 @@ fn softbox(centre: [f64; 3], target: [f64; 3], half_width: f64, half_height: f64
     ])
 }
 
+/// Large and dim rather than small and bright: what metal and glass throw on the board then settles soon.
 fn lights(document: &mut Document) {
-    let key = document.emitter("key", [9.0, 8.4, 7.4]);
-    let rim = document.emitter("rim", [7.0, 8.0, 9.5]);
-    let fill = document.emitter("fill", [0.5, 0.55, 0.65]);
     let middle = [0.0, 0.0, 0.0];
-    document.add("key", &softbox([-5.0, 7.0, 4.0], middle, 2.2, 1.5), key);
-    document.add("rim", &softbox([5.5, 5.0, -4.0], middle, 0.5, 2.0), rim);
-    document.add("fill", &softbox([3.0, 9.0, 13.0], middle, 6.0, 4.0), fill);
+    let lights = [
+        ("key", [9.0, 8.5, 7.6], [-6.0, 7.5, 4.5], [2.8, 2.0]),
+        ("rim", [3.6, 4.0, 4.8], [6.5, 5.5, -4.5], [0.9, 2.2]),
+        ("ceiling", [0.76, 0.8, 0.86], [0.0, 10.0, 2.0], [7.0, 5.0]),
+        ("front", [0.3, 0.32, 0.36], [4.0, 5.0, 14.0], [6.0, 3.0]),
+    ];
+    for (name, radiance, centre, [half_width, half_height]) in lights {
+        let material = document.emitter(name, radiance);
+        let shape = softbox(centre, middle, half_width, half_height);
+        document.add(name, &shape, material);
+    }
 }

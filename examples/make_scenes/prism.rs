@@ -18,7 +18,8 @@ pub const WALL: f64 = 2.0;
 pub const STRIPE_X: f64 = -0.45;
 pub const STRIPE_HALF_WIDTH: f64 = 0.025;
 pub const STRIPE_RADIANCE: [f64; 3] = [1.0, 0.92, 0.75];
-pub const WALL_RADIANCE: [f64; 3] = [0.02, 0.03, 0.045];
+/// Of the wall's two kinds of columns, each 0.1 m wide: they show where the prisms are.
+pub const WALL_RADIANCE: [[f64; 3]; 2] = [[0.015, 0.02, 0.03], [0.035, 0.05, 0.075]];
 pub const CAMERA_HALF_EXTENTS: [f64; 2] = [1.2, 0.9];
 
 /// One prism: what it is, its index, and the heights that it spans.
@@ -65,17 +66,24 @@ pub fn seen_at(eta: f64, wall_x: f64) -> f64 {
 
 pub fn scene() -> String {
     let mut document = Document::default();
-    let wall = document.emitter("wall", WALL_RADIANCE);
+    let wall = WALL_RADIANCE.map(|radiance| document.emitter("wall", radiance));
     let stripe = document.emitter("stripe", STRIPE_RADIANCE);
     let ruler = document.emitter("ruler", [0.25, 0.25, 0.25]);
 
     // Marks stand this far before the wall, and the stripe too.
     const PROUD: f64 = 1e-3;
-    document.add(
-        "wall",
-        &upright([-2.0, 2.0], [-1.2, 1.2], -WALL - PROUD),
-        wall,
-    );
+    let mut columns = [Mesh::default(), Mesh::default()];
+    for column in 0..40_u8 {
+        let left = -2.0 + 0.1 * f64::from(column);
+        columns[usize::from(column % 2)].append(&upright(
+            [left, left + 0.1],
+            [-1.2, 1.2],
+            -WALL - PROUD,
+        ));
+    }
+    for (column, material) in columns.iter().zip(wall) {
+        document.add("wall", column, material);
+    }
     let sides = [-1.0, 1.0].map(|side| STRIPE_X + side * STRIPE_HALF_WIDTH);
     document.add("stripe", &upright(sides, [-1.0, 1.0], -WALL), stripe);
 
