@@ -58,7 +58,7 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
             let weight = select(power_heuristic(light.pdf, eval.pdf), 1.0, light.delta != 0u);
             let L = path.beta * eval.f * abs(wi.z) * light.Le * (weight / light.pdf);
             if any(L > vec3(0.0)) {
-                let origin = offset_origin(surface.p, surface.ng, light.wi, frame.ray_offset_floor);
+                let origin = offset_origin(surface.p, surface.ng, light.wi, surface.p_error);
                 let t_max = light.distance * (1.0 - SHADOW_SHORTENING);
                 queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max), L);
             }
@@ -89,7 +89,7 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     path.pdf_bsdf = sample.pdf;
     path.delta = sample.delta != 0u;
-    let origin = offset_origin(surface.p, surface.ng, wi, frame.ray_offset_floor);
+    let origin = offset_origin(surface.p, surface.ng, wi, surface.p_error);
     path.ray = Ray(origin, 0.0, wi, RAY_INFINITY);
     path.bounce += 1u;
     store_path(slot, path);

@@ -84,7 +84,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
                 };
                 let Ld = beta * eval.f * wi.z.abs() * light.Le * (weight / light.pdf);
                 let shadow = Ray {
-                    origin: offset(packed, surface.p, surface.ng, light.wi),
+                    origin: offset_origin(surface.p, surface.ng, light.wi, surface.p_error),
                     t_min: 0.0,
                     direction: light.wi,
                     t_max: light.distance * (1.0 - SHADOW_SHORTENING),
@@ -123,7 +123,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
         }
         (pdf_bsdf, delta) = (sample.pdf, sample.delta != 0);
         ray = Ray {
-            origin: offset(packed, surface.p, surface.ng, wi),
+            origin: offset_origin(surface.p, surface.ng, wi, surface.p_error),
             t_min: 0.0,
             direction: wi,
             t_max: f64::INFINITY,
@@ -142,10 +142,6 @@ fn background(packed: &Packed, ray: &Ray) -> (DVec3, f64) {
         ),
         _ => (Le_environment(packed, ray.direction), 1.0),
     }
-}
-
-fn offset(packed: &Packed, p: DVec3, ng: DVec3, w: DVec3) -> DVec3 {
-    offset_origin(p, ng, w, f64::from(packed.frame.ray_offset_floor))
 }
 
 /// One sample of a pixel: where in the pixel, which ray, what comes along it.
