@@ -73,8 +73,8 @@ pub fn scene() -> String {
     // Marks stand this far before the wall, and the stripe too.
     const PROUD: f64 = 1e-3;
     let mut columns = [Mesh::default(), Mesh::default()];
-    for column in 0..40_u8 {
-        let left = -2.0 + 0.1 * f64::from(column);
+    for column in 0..26_u8 {
+        let left = -1.3 + 0.1 * f64::from(column);
         columns[usize::from(column % 2)].append(&upright(
             [left, left + 0.1],
             [-1.2, 1.2],
