@@ -2,11 +2,12 @@
 
 use super::{Input, LabError, Output, Stage};
 use crate::gpu::device::Gpu;
-use crate::gpu::kernel::Kernel;
-use crate::gpu::link::link;
+use crate::gpu::kernel::{Kernel, KernelError};
+use crate::gpu::link::Linked;
 use crate::gpu::read::read;
 use crate::shared::{LabAnswer, LabQuery};
 use crate::tables::tables;
+use std::cell::OnceCell;
 
 /// Queries in one dispatch: 7 MiB of them, and well under a second on the slowest adapter.
 const BATCH: usize = 65_536;
@@ -14,21 +15,17 @@ const WORKGROUP: u32 = 64;
 
 pub struct GpuLab {
     gpu: Gpu,
-    /// In the order of `Stage`.
-    kernels: [Kernel; 3],
+    linked: Linked,
+    /// In the order of `Stage`; compiled when first asked for, which takes a second on lavapipe.
+    kernels: [OnceCell<Kernel>; 3],
     tables: wgpu::Buffer,
     queries: wgpu::Buffer,
     answers: wgpu::Buffer,
 }
 
 impl GpuLab {
-    pub fn new(gpu: Gpu) -> Result<Self, LabError> {
-        let linked = link("kernels/bsdf_lab").map_err(crate::gpu::kernel::KernelError::from)?;
-        let kernels = [
-            Kernel::new(&gpu, &linked, "fresnel")?,
-            Kernel::new(&gpu, &linked, "eval")?,
-            Kernel::new(&gpu, &linked, "sample")?,
-        ];
+    /// `linked` is `kernels/bsdf_lab`, or what a test has made of it.
+    pub fn new(gpu: Gpu, linked: Linked) -> Self {
         let buffer = |label, size: usize, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -43,8 +40,9 @@ impl GpuLab {
         let bytes = bytemuck::bytes_of(&*made);
         let tables = buffer("tables", bytes.len(), wgpu::BufferUsages::UNIFORM | upload);
         gpu.queue.write_buffer(&tables, 0, bytes);
-        Ok(Self {
-            kernels,
+        Self {
+            linked,
+            kernels: Default::default(),
             tables,
             queries: buffer("queries", BATCH * size_of::<LabQuery>(), storage | upload),
             answers: buffer(
@@ -53,7 +51,21 @@ impl GpuLab {
                 storage | download,
             ),
             gpu,
-        })
+        }
+    }
+
+    fn kernel(&self, stage: Stage) -> Result<&Kernel, KernelError> {
+        let cell = &self.kernels[stage as usize];
+        if let Some(kernel) = cell.get() {
+            return Ok(kernel);
+        }
+        let entry = match stage {
+            Stage::Fresnel => "fresnel",
+            Stage::Eval => "eval",
+            Stage::Sample => "sample",
+        };
+        let kernel = Kernel::new(&self.gpu, &self.linked, entry)?;
+        Ok(cell.get_or_init(|| kernel))
     }
 
     pub fn run(&self, stage: Stage, inputs: &[Input]) -> Result<Vec<Output>, LabError> {
@@ -83,7 +95,7 @@ impl GpuLab {
                 size: std::num::NonZeroU64::new((queries.len() * item) as u64),
             })
         };
-        let kernel = &self.kernels[stage as usize];
+        let kernel = self.kernel(stage)?;
         let groups = kernel.bind(&self.gpu, |group, binding| match (group, binding) {
             (0, _) => self.tables.as_entire_binding(),
             (_, 0) => part(&self.queries, size_of::<LabQuery>()),

@@ -9,6 +9,7 @@ pub mod query;
 use crate::cpu;
 use crate::gpu::device::{Fault, Gpu};
 use crate::gpu::kernel::KernelError;
+use crate::gpu::link::{Linked, link};
 use crate::shared::{self, LabAnswer, LabQuery, Tables};
 use crate::tables::tables;
 use glam::DVec3;
@@ -93,7 +94,13 @@ impl Lab {
     }
 
     pub fn gpu(gpu: Gpu) -> Result<Self, LabError> {
-        Ok(Self::Gpu(Box::new(gpu::GpuLab::new(gpu)?)))
+        let linked = link("kernels/bsdf_lab").map_err(KernelError::from)?;
+        Ok(Self::gpu_linked(gpu, linked))
+    }
+
+    /// With the kernel changed, for tests that break it on purpose.
+    pub fn gpu_linked(gpu: Gpu, linked: Linked) -> Self {
+        Self::Gpu(Box::new(gpu::GpuLab::new(gpu, linked)))
     }
 
     /// One output for each input, in order.

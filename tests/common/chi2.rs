@@ -1,17 +1,14 @@
-//! Pearson's chi-square test of sampled directions against a density.
+//! Bins of directions for Pearson's chi-square test, and integrals of a density over them.
 //!
 //! The sphere is cut by the samples themselves: a k-d tree over (theta, phi), grown from a training set,
 //! whose leaves hold about equal shares of it. So bins are small where a lobe is narrow. The density is
 //! integrated over them, adaptively and many cells at a time (it may live on a GPU). Then a fresh set of
-//! samples is counted.
+//! samples is to be counted.
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
 use glam::DVec3;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Bins expected to hold fewer are pooled, as usual for Pearson's test.
-const EXPECTED_MIN: f64 = 5.0;
 /// Three nodes of Gauss and Legendre on [0, 1].
 const NODES: [(f64, f64); 3] = [
     (0.112_701_665_379_258_3, 5.0 / 18.0),
@@ -28,36 +25,6 @@ const LEVELS: usize = 9;
 /// Significance for one of `tests` tests, so that all together have `level`.
 pub fn sidak(level: f64, tests: usize) -> f64 {
     1.0 - (1.0 - level).powf(1.0 / tests as f64)
-}
-
-/// Probability of a statistic at least as large as that of `observed` counts, when `expected` is true.
-pub fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
-    let (mut statistic, mut bins) = (0.0, 0);
-    let mut pool = [0.0; 2];
-    let mut order: Vec<usize> = (0..expected.len()).collect();
-    order.sort_by(|&a, &b| expected[b].total_cmp(&expected[a]));
-    for i in order {
-        let (o, e) = if expected[i] >= EXPECTED_MIN {
-            (observed[i], expected[i])
-        } else {
-            pool = [pool[0] + observed[i], pool[1] + expected[i]];
-            if pool[1] < EXPECTED_MIN {
-                continue;
-            }
-            let [o, e] = std::mem::take(&mut pool);
-            (o, e)
-        };
-        statistic += (o - e) * (o - e) / e;
-        bins += 1;
-    }
-    // What remains in the pool is too rare to count in a bin of its own, unless it happened often.
-    if pool[0] > 20.0 * EXPECTED_MIN {
-        return 0.0;
-    }
-    if bins < 2 {
-        return 1.0;
-    }
-    ChiSquared::new((bins - 1) as f64).map_or(0.0, |d| d.sf(statistic))
 }
 
 #[derive(Clone, Copy, Debug)]
