@@ -1,5 +1,6 @@
 //! A query's material: a glTF material object without textures, or one of the lecture's models.
 
+use crate::cpu;
 use crate::pack::model::{ModelError, lower_bsdf};
 use crate::scene::bsdf_model::BsdfModel;
 use crate::shared::{
@@ -7,6 +8,7 @@ use crate::shared::{
     Material,
 };
 use bytemuck::Zeroable;
+use glam::Vec4;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::{Map, Value};
@@ -131,6 +133,9 @@ pub fn material_of(value: &Value) -> Result<Material, MaterialError> {
     material.metallic = pbr.metallic_factor;
     material.roughness = pbr.roughness_factor;
     material.ior = default_ior();
+    material.fresnel = FRESNEL_SCHLICK;
+    material.distribution = DISTRIBUTION_GGX;
+    material.masking = MASKING_SMITH;
     for (name, extension) in &gltf.extensions {
         match name.as_str() {
             "KHR_materials_ior" => {
@@ -150,6 +155,10 @@ pub fn material_of(value: &Value) -> Result<Material, MaterialError> {
     }
     if let Some(model) = gltf.extensions.get("SNELL_materials_bsdf") {
         lower_bsdf(&read::<BsdfModel>(model)?, &mut material)?;
+        // As pack_material does: base colour is a factor on the model's own reflectance.
+        for (channel, factor) in pbr.base_color_factor[..3].iter().enumerate() {
+            material.base_color[channel] *= factor;
+        }
     } else if gltf.extensions.contains_key("KHR_materials_unlit") {
         material.model = BSDF_UNLIT;
     }
@@ -167,31 +176,20 @@ fn from_0_to_1(name: &'static str, value: f32) -> Result<(), MaterialError> {
     })
 }
 
-/// What the reflection functions take: the material where it has no textures, seen from outside.
+/// What the reflection functions take of it, seen from outside: by the renderer's own rule.
 pub fn bsdf_of(material: &Material) -> Bsdf {
-    let base = [0, 1, 2].map(|i| material.base_color[i]);
-    let mut bsdf = Bsdf {
-        reflectance: base,
-        model: material.model,
-        eta: material.eta,
-        fresnel: material.fresnel,
-        k: material.k,
-        distribution: material.distribution,
-        alpha: material.alpha,
-        roughness: material.roughness,
-        masking: material.masking,
-    };
-    if material.model == BSDF_METALLIC_ROUGHNESS {
-        let contrast = (material.ior - 1.0) / (material.ior + 1.0);
-        let dielectric = contrast * contrast;
-        let alpha = material.roughness * material.roughness;
-        bsdf.reflectance = base.map(|c| c * (1.0 - material.metallic));
-        bsdf.eta = base.map(|c| dielectric + (c - dielectric) * material.metallic);
-        bsdf.k = [dielectric, 0.0, 0.0];
-        bsdf.alpha = [alpha; 2];
-        bsdf.fresnel = FRESNEL_SCHLICK;
-        bsdf.distribution = DISTRIBUTION_GGX;
-        bsdf.masking = MASKING_SMITH;
+    let base_color = Vec4::from_array(material.base_color).truncate().as_dvec3();
+    let (metallic, roughness) = (f64::from(material.metallic), f64::from(material.roughness));
+    let bsdf = cpu::material::bsdf_of(material, base_color, metallic, roughness, true);
+    Bsdf {
+        reflectance: bsdf.reflectance.as_vec3().to_array(),
+        model: bsdf.model,
+        eta: bsdf.eta.as_vec3().to_array(),
+        fresnel: bsdf.fresnel,
+        k: bsdf.k.as_vec3().to_array(),
+        distribution: bsdf.distribution,
+        alpha: bsdf.alpha.as_vec2().to_array(),
+        roughness: bsdf.roughness as f32,
+        masking: bsdf.masking,
     }
-    bsdf
 }
