@@ -27,13 +27,13 @@ const N: usize = ALBEDO_TABLE_SIZE as usize;
 const AZIMUTHS: usize = 24;
 
 /// Nodes in elevation.
-const ELEVATIONS: usize = 24;
+const ELEVATIONS: usize = 20;
 
 /// Nodes of the average over the cosine.
 const AVERAGE_NODES: usize = 12;
 
 /// Steps that find the horizon (the integrand vanishes there, so few digits do) and the cosines.
-const BISECTIONS: usize = 24;
+const BISECTIONS: usize = 16;
 
 /// What linear interpolation lacks at most of x + y and of y, relative to the value. E is linear in F0
 /// between y and x + y, so what holds for both holds for every F0. `tests/tables.rs` checks it.
@@ -44,7 +44,7 @@ const MARGIN_WHITE: f64 = 0.0095;
 /// in the warped cosine; models never ask for less than the square root of `ALPHA_SMOOTH`.
 const ROUGHNESS_FLOOR: f64 = 0.01;
 
-/// Makes all tables; some 20 ms on two cores with optimisation.
+/// Makes all tables in some tens of milliseconds on two cores.
 pub fn tables() -> Box<Tables> {
     let mut tables = Box::new(Tables::zeroed());
     let rule = gauss_legendre(ELEVATIONS);
