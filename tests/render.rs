@@ -157,7 +157,7 @@ fn progress_goes_from_the_first_batch_to_all() {
 }
 
 #[test]
-fn lavapipe_runs_no_submission_over_a_second() {
+fn no_submission_nears_a_watchdogs_two_seconds() {
     let mut gpu = common::gpu();
     let packed = packed(&load_scene(&project("scenes/gallery.gltf")), [256, 256]);
     let (_, statistics) = render(&mut gpu, &packed, &whole(&packed, 16), &mut |_| {}).unwrap();

@@ -9,7 +9,7 @@ use crate::shared::{
     MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE, Material,
 };
 use bytemuck::Zeroable;
-use glam::{DVec3, Vec4};
+use glam::DVec3;
 
 /// Lowers a material. Textures whose images are not in `textures` sample as white, so that a
 /// laboratory without images passes none.
@@ -62,9 +62,9 @@ pub fn pack_material(
                 material: material.name.clone(),
                 source,
             })?;
-            // Base colour is a factor on the model's own reflectance.
-            let factor = *base_color * Vec4::from_array(packed.base_color);
-            packed.base_color = factor.truncate().extend(base_color.w).to_array();
+            // The model has a reflectance of its own; base colour's red, green and blue are what viewers
+            // that do not know it show instead.
+            packed.base_color[3] = base_color.w;
             packed.base_color_texture = textures.record(base_color_texture.as_ref());
         }
     }
