@@ -6,11 +6,15 @@ import package::attributes::{attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
 import package::rng::{hash_combine, unit_from_bits};
 
+// False in a pipeline for scenes without masks and blending. Drivers that carry out every branch for
+// the lanes that take another one (llvmpipe of Mesa 22) otherwise look up textures at each triangle.
+override TEST_ALPHA: bool = true;
+
 // Whether the surface is there at this point, seen from its front or its back.
 fn is_visible(
     triangle_index: u32, instance_index: u32, barycentrics: vec2<f32>, front: bool, alpha_seed: u32,
 ) -> bool {
-    if front && frame.has_alpha == 0u {
+    if front && (!TEST_ALPHA || frame.has_alpha == 0u) {
         return true;
     }
     let material_index = triangles[triangle_index].material;
@@ -20,7 +24,7 @@ fn is_visible(
     if !front && (flags & (MATERIAL_DOUBLE_SIDED | MATERIAL_TRANSMISSIVE)) == 0u {
         return false;
     }
-    if (flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0u {
+    if !TEST_ALPHA || (flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0u {
         return true;
     }
     let alpha = alpha_at(triangle_index, barycentrics);

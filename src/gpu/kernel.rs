@@ -32,6 +32,16 @@ pub enum KernelError {
 impl Kernel {
     /// Validates with naga (whose messages name our files), then hands the text to the driver.
     pub fn new(gpu: &Gpu, linked: &Linked, entry: &str) -> Result<Self, KernelError> {
+        Self::with_constants(gpu, linked, entry, &[])
+    }
+
+    /// The same with values for `override` constants that the entry point reaches.
+    pub fn with_constants(
+        gpu: &Gpu,
+        linked: &Linked,
+        entry: &str,
+        constants: &[(&str, f64)],
+    ) -> Result<Self, KernelError> {
         let (module, info) = linked.validate()?;
         let index = module
             .entry_points
@@ -64,7 +74,10 @@ impl Kernel {
                 layout: None,
                 module: &shader,
                 entry_point: Some(entry),
-                compilation_options: Default::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants,
+                    ..Default::default()
+                },
                 cache: None,
             });
         if let Some(error) = pollster::block_on(scope.pop()) {
