@@ -5,10 +5,7 @@ import package::bindings::{frame, triangles, materials};
 import package::attributes::{attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
 import package::rng::{hash_combine, unit_from_bits};
-
-// False in a pipeline for scenes without masks and blending. Drivers that carry out every branch for
-// the lanes that take another one (llvmpipe of Mesa 22) otherwise look up textures at each triangle.
-override TEST_ALPHA: bool = true;
+import package::variant::{TEST_ALPHA, BASE_COLOR_TEXTURES};
 
 // Whether the surface is there at this point, seen from its front or its back.
 fn is_visible(
@@ -27,21 +24,33 @@ fn is_visible(
     if !TEST_ALPHA || (flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0u {
         return true;
     }
+    return alpha_threshold(triangle_index, instance_index, alpha_seed) < coverage_at(triangle_index, barycentrics);
+}
+
+// The part of the surface that is there: 0 or 1 of a masked one, alpha of a blended one, else 1.
+fn coverage_at(triangle_index: u32, barycentrics: vec2<f32>) -> f32 {
+    let material_index = triangles[triangle_index].material;
+    let flags = materials[material_index].flags;
+    if !TEST_ALPHA || (flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0u {
+        return 1.0;
+    }
     let alpha = alpha_at(triangle_index, barycentrics);
     if (flags & MATERIAL_ALPHA_MASK) != 0u {
-        return alpha >= materials[material_index].alpha_cutoff;
+        return select(0.0, 1.0, alpha >= materials[material_index].alpha_cutoff);
     }
-    return alpha_threshold(triangle_index, instance_index, alpha_seed) < alpha;
+    return alpha;
 }
 
 // Base colour's alpha: factor, texture and vertex colour (glTF 2.0 sections 3.9.4 and 3.9.2).
 fn alpha_at(triangle_index: u32, barycentrics: vec2<f32>) -> f32 {
     let triangle = triangles[triangle_index];
-    let texture = materials[triangle.material].base_color_texture;
-    let uv = attribute_texcoord(triangle, barycentrics, texture.texcoord);
-    return materials[triangle.material].base_color.a
-        * texture_sample(texture, uv).a
-        * attribute_color(triangle, barycentrics).a;
+    var alpha = materials[triangle.material].base_color.a * attribute_color(triangle, barycentrics).a;
+    if BASE_COLOR_TEXTURES {
+        let texture = materials[triangle.material].base_color_texture;
+        let uv = attribute_texcoord(triangle, barycentrics, texture.texcoord);
+        alpha *= texture_sample(texture, uv).a;
+    }
+    return alpha;
 }
 
 // A number in [0, 1) that a blended surface's alpha has to exceed. One for each ray and triangle, so

@@ -1,9 +1,10 @@
 // What a material is at one point of a surface: its reflection model after texturing, its emission.
 
-import package::shared::{Material, Bsdf, Texture, BSDF_METALLIC_ROUGHNESS, BSDF_UNLIT, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE};
+import package::shared::{Material, Bsdf, Texture, NONE, BSDF_METALLIC_ROUGHNESS, BSDF_UNLIT, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE};
 import package::math::{sqr};
 import package::surface::{Surface, texcoord};
 import package::texture::{texture_sample};
+import package::variant::{BASE_COLOR_TEXTURES, METALLIC_ROUGHNESS_TEXTURES, EMISSIVE_TEXTURES, COMMON_MODEL, COMMON_FRESNEL, COMMON_DISTRIBUTION, COMMON_MASKING};
 
 // A texture of the material at the surface.
 fn texture_at(texture: Texture, surface: Surface) -> vec4<f32> {
@@ -12,16 +13,30 @@ fn texture_at(texture: Texture, surface: Surface) -> vec4<f32> {
 
 // Base colour: factor, texture and vertex colour (glTF 2.0 section 3.9.2).
 fn base_color_at(material: Material, surface: Surface) -> vec4<f32> {
-    return material.base_color * texture_at(material.base_color_texture, surface) * surface.color;
+    var base_color = material.base_color * surface.color;
+    if BASE_COLOR_TEXTURES {
+        base_color *= texture_at(material.base_color_texture, surface);
+    }
+    return base_color;
 }
 
 // The reflection model in the surface's shading frame.
 fn bsdf_at(material: Material, surface: Surface) -> Bsdf {
     let base_color = base_color_at(material, surface).rgb;
-    let metallic_roughness = texture_at(material.metallic_roughness_texture, surface);
-    let roughness = material.roughness * metallic_roughness.g;
-    let metallic = material.metallic * metallic_roughness.b;
-    return bsdf_of(material, base_color, metallic, roughness, surface.front != 0u);
+    var roughness = material.roughness;
+    var metallic = material.metallic;
+    if METALLIC_ROUGHNESS_TEXTURES {
+        let metallic_roughness = texture_at(material.metallic_roughness_texture, surface);
+        roughness *= metallic_roughness.g;
+        metallic *= metallic_roughness.b;
+    }
+    var bsdf = bsdf_of(material, base_color, metallic, roughness, surface.front != 0u);
+    // Nothing new to the reflection functions, but constants to the compiler.
+    bsdf.model = select(COMMON_MODEL, bsdf.model, COMMON_MODEL == NONE);
+    bsdf.fresnel = select(COMMON_FRESNEL, bsdf.fresnel, COMMON_FRESNEL == NONE);
+    bsdf.distribution = select(COMMON_DISTRIBUTION, bsdf.distribution, COMMON_DISTRIBUTION == NONE);
+    bsdf.masking = select(COMMON_MASKING, bsdf.masking, COMMON_MASKING == NONE);
+    return bsdf;
 }
 
 // The same for given values of what textures vary.
@@ -56,5 +71,9 @@ fn Le_surface(material: Material, surface: Surface) -> vec3<f32> {
     if surface.front == 0u && (material.flags & MATERIAL_DOUBLE_SIDED) == 0u {
         return vec3<f32>(0.0);
     }
-    return material.emissive * texture_at(material.emissive_texture, surface).rgb;
+    var Le = material.emissive;
+    if EMISSIVE_TEXTURES {
+        Le *= texture_at(material.emissive_texture, surface).rgb;
+    }
+    return Le;
 }

@@ -39,9 +39,13 @@ fn normalize_accurate(v: vec3<f32>) -> vec3<f32> {
     return v;
 }
 
+// z below which the basis of a normal is made the other way round.
+const BASIS_SEAM: f32 = -0.37;
+
 fn basis_from_normal(n: vec3<f32>) -> Basis {
-    // Duff et al. 2017, "Building an Orthonormal Basis, Revisited", listing 3.
-    let s = select(-1.0, 1.0, n.z >= 0.0);
+    // Duff et al. 2017, "Building an Orthonormal Basis, Revisited", listing 3, but for where its two
+    // halves meet: not among the normals of upright walls, which rounding would put on either side.
+    let s = select(-1.0, 1.0, n.z >= BASIS_SEAM);
     let a = -1.0 / (s + n.z);
     let b = n.x * n.y * a;
     return Basis(

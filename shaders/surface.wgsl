@@ -6,6 +6,7 @@ import package::math::{Basis, basis_from_tangent, normalize_accurate, to_world};
 import package::ray::{Ray, Hit};
 import package::attributes::{attribute_normal, attribute_tangent, attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
+import package::variant::{NORMAL_TEXTURES};
 
 // In world space; `wo` is against the ray.
 struct Surface {
@@ -107,7 +108,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     let handedness = select(object_tangent.w, -object_tangent.w, flipped);
 
     let normal_texture = materials[triangle.material].normal_texture;
-    if normal_texture.texels != NONE {
+    if NORMAL_TEXTURES && normal_texture.texels != NONE {
         // glTF 2.0 section 3.9.3. Without tangents the axes of the map are unknown, and any will do.
         let uv = attribute_texcoord(triangle, barycentrics, normal_texture.texcoord);
         let texel = texture_sample(normal_texture, uv).xyz * 2.0 - 1.0;

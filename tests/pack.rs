@@ -456,7 +456,7 @@ fn materials_keep_what_their_models_say() {
         (1.5, 0.5, FRESNEL_SCHLICK)
     );
     assert_eq!((m[1].model, m[1].flags), (BSDF_LAMBERTIAN, 0));
-    assert_eq!(m[1].base_color, [0.4, 0.5, 0.1, 0.75]);
+    assert_eq!(m[1].base_color, [0.8, 0.5, 0.4, 0.75]);
     assert_eq!(
         (m[2].model, m[2].flags),
         (BSDF_DIELECTRIC, MATERIAL_TRANSMISSIVE)

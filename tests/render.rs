@@ -5,12 +5,18 @@ mod common;
 #[path = "common/picture.rs"]
 mod picture;
 
+use common::shapes;
+use glam::{Affine3A, Vec3, Vec4};
 use picture::*;
 use snell::film::Film;
 use snell::gpu::render::{RenderError, render, render_in_batches};
-use snell::gpu::upload::UploadError;
-use snell::pack::Packed;
+use snell::gpu::upload::{Scene, UploadError};
+use snell::gpu::variant;
+use snell::gpu::wavefront::Wavefront;
+use snell::pack::{Packed, pack};
 use snell::render::Settings;
+use snell::scene::{AlphaMode, Model, Projection};
+use snell::shared::Frame;
 
 /// The gallery in small: every reflection model, area lights, instances. Wider than a tile.
 fn gallery() -> Packed {
@@ -163,4 +169,93 @@ fn no_submission_nears_a_watchdogs_two_seconds() {
     let (_, statistics) = render(&mut gpu, &packed, &whole(&packed, 16), &mut |_| {}).unwrap();
     println!("longest submission {:?}", statistics.longest_submission);
     assert!(statistics.longest_submission.as_secs_f64() < 2.0);
+}
+
+/// What a pipeline takes for granted of a scene is true, so leaving it out changes nothing beyond the
+/// rounding of another compilation.
+#[test]
+fn a_variant_shows_what_the_general_kernels_show() {
+    let gpu = common::gpu();
+    for path in ["scenes/gallery.gltf", "scenes/white_furnace.gltf"] {
+        let packed = packed(&load_scene(&project(path)), [64, 48]);
+        let frame = Frame {
+            tile_size: [64, 48],
+            sample_count: 2,
+            capacity: 64 * 48 * 2,
+            ..packed.frame
+        };
+        let cells = |constants: &[(&str, f64)]| {
+            let scene = Scene::upload(&gpu, &packed).unwrap();
+            let wavefront =
+                Wavefront::new(&gpu, scene, constants, frame.capacity, 64 * 48).unwrap();
+            wavefront.run(&gpu, &frame, true).unwrap();
+            wavefront.read_film(&gpu, 64 * 48).unwrap()
+        };
+        let (general, variant) = (cells(&[]), cells(&variant::constants(&packed)));
+        let differing = general
+            .iter()
+            .zip(&variant)
+            .filter(|(g, v)| (0..3).any(|c| (g.sum[c] - v.sum[c]).abs() > 1e-3 * g.sum[c].abs()))
+            .count();
+        println!("{path}: {differing} of {} pixels differ", general.len());
+        assert!(differing * 200 < general.len(), "{path}: {differing}");
+    }
+}
+
+/// A lamp that is blended to a quarter lights a floor with a quarter, by chosen and by found light
+/// alike.
+#[test]
+fn a_blended_lamp_is_as_bright_as_it_is_there() {
+    let quad = |y: f32, size: f32| {
+        let corner = |x: f32, z: f32| Vec3::new(x * size, y, z * size);
+        let (a, b) = (corner(-1.0, -1.0), corner(-1.0, 1.0));
+        let (c, d) = (corner(1.0, 1.0), corner(1.0, -1.0));
+        shapes::flat(&[[a, b, c], [a, c, d]])
+    };
+    let with_alpha = |alpha: f32| {
+        let floor = quad(0.0, 10.0);
+        let mut lamp = quad(1.0, 0.7);
+        lamp.primitives[0].material = 1;
+        let mut scene = shapes::scene(
+            vec![floor, lamp],
+            vec![
+                shapes::instance(0, Affine3A::IDENTITY),
+                shapes::instance(1, Affine3A::IDENTITY),
+            ],
+        );
+        let mut shining = shapes::material();
+        shining.emissive = Vec3::ONE;
+        shining.alpha_mode = AlphaMode::Blend;
+        if let Model::MetallicRoughness(m) = &mut shining.model {
+            m.base_color = Vec4::new(0.0, 0.0, 0.0, alpha);
+        }
+        scene.materials.push(shining);
+        let mut view = shapes::view();
+        view.max_depth = 1;
+        // From the side, under the lamp: the floor alone is seen.
+        view.camera.world_from_camera =
+            Affine3A::from_rotation_x(-0.2) * Affine3A::from_translation(Vec3::Z * 2.5);
+        view.camera.projection = Projection::Perspective {
+            yfov: 0.2,
+            aspect: None,
+            near: 0.01,
+        };
+        view.film_size = [16, 16];
+        pack(&scene, &view).unwrap()
+    };
+    let mut gpu = common::gpu();
+    for on_cpu_too in [false, true] {
+        let mut average = |alpha| {
+            let packed = with_alpha(alpha);
+            let settings = whole(&packed, 256);
+            match on_cpu_too {
+                false => on_gpu(&mut gpu, &packed, &settings).average(),
+                true => on_cpu(&packed, &settings).average(),
+            }
+        };
+        let (quarter, full) = (average(0.25), average(1.0));
+        assert!(full > 0.05, "{full}");
+        let ratio = quarter / full;
+        assert!((ratio - 0.25).abs() < 0.005, "{ratio}");
+    }
 }

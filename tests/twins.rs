@@ -4,8 +4,9 @@
 use snell::gpu::shaders;
 use std::path::Path;
 
-/// Modules without a twin: bindings are the reference's `&Packed`, `shared` has its own test.
-const UNPAIRED: [&str; 2] = ["bindings", "shared"];
+/// Modules without a twin: bindings are the reference's `&Packed`, `shared` has its own test, and
+/// a variant is a matter of compiling.
+const UNPAIRED: [&str; 3] = ["bindings", "shared", "variant"];
 
 /// A function's name and the names of its arguments.
 type Signature = (String, Vec<String>);

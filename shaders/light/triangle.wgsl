@@ -5,6 +5,8 @@ import package::shared::{Light, INSTANCE_FLIPPED, MATERIAL_DOUBLE_SIDED};
 import package::math::{normalize_accurate};
 import package::attributes::{attribute_texcoord};
 import package::texture::{texture_sample};
+import package::alpha::{coverage_at};
+import package::variant::{EMISSIVE_TEXTURES};
 import package::bindings::{triangles, instances, materials};
 
 // Outward normal of the front face, unit length. glTF 2.0 section 3.6.2.1 (Triangles winding): a
@@ -15,12 +17,17 @@ fn light_normal(light: Light) -> vec3<f32> {
     return select(ng, -ng, flipped);
 }
 
-// Radiance that a triangle light sends at `barycentrics`.
+// Radiance that a triangle light sends at `barycentrics`, times the surface's coverage there: a ray
+// that meets the light by chance passes where it is masked or blended away (alpha.wgsl).
 fn Le_triangle(light: Light, barycentrics: vec2<f32>) -> vec3<f32> {
-    let triangle = triangles[light.triangle];
-    let emissive_texture = materials[triangle.material].emissive_texture;
-    let uv = attribute_texcoord(triangle, barycentrics, emissive_texture.texcoord);
-    return light.radiance * texture_sample(emissive_texture, uv).rgb;
+    var Le = light.radiance * coverage_at(light.triangle, barycentrics);
+    if EMISSIVE_TEXTURES {
+        let triangle = triangles[light.triangle];
+        let emissive_texture = materials[triangle.material].emissive_texture;
+        let uv = attribute_texcoord(triangle, barycentrics, emissive_texture.texcoord);
+        Le *= texture_sample(emissive_texture, uv).rgb;
+    }
+    return Le;
 }
 
 // Cosine at the light, `cos_geometric` between wi reversed and the front's normal; 0 where the

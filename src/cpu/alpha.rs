@@ -31,11 +31,22 @@ pub fn is_visible(
     if material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND) == 0 {
         return true;
     }
+    alpha_threshold(triangle_index, instance_index, alpha_seed)
+        < coverage_at(packed, triangle_index, barycentrics)
+}
+
+/// The part of the surface that is there: 0 or 1 of a masked one, alpha of a blended one, else 1.
+pub fn coverage_at(packed: &Packed, triangle_index: u32, barycentrics: DVec2) -> f64 {
+    let material_index = packed.triangles[triangle_index as usize].material;
+    let material = &packed.materials[material_index as usize];
+    if material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND) == 0 {
+        return 1.0;
+    }
     let alpha = alpha_at(packed, triangle_index, barycentrics);
     if material.flags & MATERIAL_ALPHA_MASK != 0 {
-        return alpha >= f64::from(material.alpha_cutoff);
+        return f64::from(u8::from(alpha >= f64::from(material.alpha_cutoff)));
     }
-    alpha_threshold(triangle_index, instance_index, alpha_seed) < alpha
+    alpha
 }
 
 /// Base colour's alpha: factor, texture and vertex colour (glTF 2.0 sections 3.9.4 and 3.9.2).

@@ -36,9 +36,13 @@ pub fn normalize_accurate(v: DVec3) -> DVec3 {
     v
 }
 
+/// z below which the basis of a normal is made the other way round.
+pub const BASIS_SEAM: f64 = -0.37;
+
 pub fn basis_from_normal(n: DVec3) -> Basis {
-    // Duff et al. 2017, "Building an Orthonormal Basis, Revisited", listing 3.
-    let s = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    // Duff et al. 2017, "Building an Orthonormal Basis, Revisited", listing 3, but for where its two
+    // halves meet: not among the normals of upright walls, which rounding would put on either side.
+    let s = if n.z >= BASIS_SEAM { 1.0 } else { -1.0 };
     let a = -1.0 / (s + n.z);
     let b = n.x * n.y * a;
     Basis {

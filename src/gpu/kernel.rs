@@ -35,7 +35,7 @@ impl Kernel {
         Self::with_constants(gpu, linked, entry, &[])
     }
 
-    /// The same with values for `override` constants that the entry point reaches.
+    /// The same with values for those of the shader's `override` constants that are named here.
     pub fn with_constants(
         gpu: &Gpu,
         linked: &Linked,
@@ -60,6 +60,16 @@ impl Kernel {
                 used.entry(place.group).or_default().push(place.binding);
             }
         }
+        let constants: Vec<(&str, f64)> = constants
+            .iter()
+            .filter(|(name, _)| {
+                module
+                    .overrides
+                    .iter()
+                    .any(|(_, constant)| constant.name.as_deref() == Some(*name))
+            })
+            .copied()
+            .collect();
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let shader = gpu
             .device
@@ -75,7 +85,7 @@ impl Kernel {
                 module: &shader,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions {
-                    constants,
+                    constants: &constants,
                     ..Default::default()
                 },
                 cache: None,

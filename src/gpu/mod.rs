@@ -7,4 +7,5 @@ pub mod read;
 pub mod render;
 pub mod shaders;
 pub mod upload;
+pub mod variant;
 pub mod wavefront;

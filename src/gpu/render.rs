@@ -3,6 +3,7 @@
 use super::device::{Fault, Gpu};
 use super::kernel::KernelError;
 use super::upload::{Scene, UploadError};
+use super::variant::constants;
 use super::wavefront::{FilmCell, Wavefront};
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
@@ -134,7 +135,13 @@ fn prepare(
         .min(most)
         // At least one sample of a whole tile.
         .max(tile_pixels);
-    let wavefront = Wavefront::new(gpu, scene, capacity as u32, tile_pixels as u32)?;
+    let wavefront = Wavefront::new(
+        gpu,
+        scene,
+        &constants(packed),
+        capacity as u32,
+        tile_pixels as u32,
+    )?;
     if let Some(fault) = gpu.take_fault() {
         return Err(fault.into());
     }

@@ -55,6 +55,7 @@ pub const MODULES: &[Module] = modules![
     "sobol",
     "surface",
     "texture",
+    "variant",
 ];
 
 /// The text of a module.

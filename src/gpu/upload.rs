@@ -8,8 +8,6 @@ use thiserror::Error;
 /// Group 0, in the order of its bindings.
 pub struct Scene {
     pub frame: wgpu::Buffer,
-    /// Some material needs the opacity test while tracing.
-    pub has_alpha: bool,
     buffers: Vec<wgpu::Buffer>,
     environment: wgpu::TextureView,
     environment_cells: wgpu::TextureView,
@@ -88,7 +86,6 @@ impl Scene {
         let [cells_x, cells_y] = packed.frame.environment_cells;
         let scene = Self {
             frame,
-            has_alpha: packed.frame.has_alpha != 0,
             buffers,
             environment: texture(
                 gpu,

@@ -66,6 +66,7 @@ impl Wavefront {
     pub fn new(
         gpu: &Gpu,
         scene: Scene,
+        constants: &[(&str, f64)],
         capacity: u32,
         tile_pixels: u32,
     ) -> Result<Self, KernelError> {
@@ -93,14 +94,8 @@ impl Wavefront {
             u64::from(tile_pixels) * size_of::<FilmCell>() as u64,
             wgpu::BufferUsages::COPY_SRC,
         );
-        let test_alpha = [("TEST_ALPHA", f64::from(u8::from(scene.has_alpha)))];
         let stage = |module: &str, entry: &str, third: &wgpu::Buffer| {
             let linked = link(&format!("kernels/{module}"))?;
-            let constants: &[_] = if module.starts_with("trace_") {
-                &test_alpha
-            } else {
-                &[]
-            };
             let kernel = Kernel::with_constants(gpu, &linked, entry, constants)?;
             let groups = kernel.bind(gpu, |group, binding| match (group, binding) {
                 (0, _) => scene.resource(binding),

@@ -1,6 +1,7 @@
 //! Emissive triangles: sampled uniformly by area, each with a share of the choice that is its
 //! area times its material's mean luminance. So the density per area is one number per material.
 
+use crate::cpu::alpha::coverage_at;
 use crate::cpu::attributes::attribute_texcoord;
 use crate::cpu::math::normalize_accurate;
 use crate::cpu::texture::texture_sample;
@@ -17,12 +18,15 @@ pub fn light_normal(packed: &Packed, light: &Light) -> DVec3 {
     if flipped { -ng } else { ng }
 }
 
-/// Radiance that a triangle light sends at `barycentrics`.
+/// Radiance that a triangle light sends at `barycentrics`, times the surface's coverage there: a ray
+/// that meets the light by chance passes where it is masked or blended away.
 pub fn Le_triangle(packed: &Packed, light: &Light, barycentrics: DVec2) -> DVec3 {
     let triangle = &packed.triangles[light.triangle as usize];
     let emissive_texture = &packed.materials[triangle.material as usize].emissive_texture;
     let uv = attribute_texcoord(packed, triangle, barycentrics, emissive_texture.texcoord);
-    Vec3::from(light.radiance).as_dvec3() * texture_sample(packed, emissive_texture, uv).truncate()
+    Vec3::from(light.radiance).as_dvec3()
+        * texture_sample(packed, emissive_texture, uv).truncate()
+        * coverage_at(packed, light.triangle, barycentrics)
 }
 
 /// Cosine at the light, `cos_geometric` between wi reversed and the front's normal; 0 where the

@@ -1,0 +1,17 @@
+// What a pipeline may take for granted of its scene; the host sets it from the packed scene
+// (src/gpu/variant.rs). The defaults take nothing for granted.
+//
+// A driver that carries out every branch for the lanes that take another one (llvmpipe of Mesa 22)
+// pays for each model, texture and mask at every surface, whether the scene has it or not.
+
+override TEST_ALPHA: bool = true;                // some material is masked or blended
+override BASE_COLOR_TEXTURES: bool = true;       // some material has one; and so on
+override METALLIC_ROUGHNESS_TEXTURES: bool = true;
+override NORMAL_TEXTURES: bool = true;
+override EMISSIVE_TEXTURES: bool = true;
+
+// What all reflecting materials have in common, or NONE.
+override COMMON_MODEL: u32 = 0xffffffffu;
+override COMMON_FRESNEL: u32 = 0xffffffffu;
+override COMMON_DISTRIBUTION: u32 = 0xffffffffu;
+override COMMON_MASKING: u32 = 0xffffffffu;
