@@ -79,6 +79,20 @@ fn bend_towards(ns: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     return normalize_accurate(across / norm + MIN_COS_SHADING * wo);
 }
 
+// Turns `ns` just so far that what it mirrors of `wo` stays over the geometric surface (Keller et al.
+// 2017, "The Iray Light Transport Simulation and Rendering System", section 4.4): a normal map
+// describes a relief, whose steep sides reflect the rest of it and never the inside. `ns` and `ng` lie
+// on wo's side.
+fn lift_reflection(ns: vec3<f32>, ng: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
+    let mirrored = 2.0 * dot(ns, wo) * ns - wo;
+    let height = dot(mirrored, ng);
+    if height >= MIN_COS_SHADING {
+        return ns;
+    }
+    let lifted = normalize_accurate(mirrored + (MIN_COS_SHADING - height) * ng);
+    return normalize_accurate(wo + lifted);
+}
+
 // The hit of `ray`; not for a miss.
 fn surface_at(ray: Ray, hit: Hit) -> Surface {
     let triangle = triangles[hit.triangle];
@@ -118,7 +132,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     }
 
     // The back of a double-sided surface has the reversed normal (glTF 2.0 section 3.9.6).
-    let ns = bend_towards(n * side, wo);
+    let ns = lift_reflection(bend_towards(n * side, wo), n_front * side, wo);
     return Surface(
         p,
         position_error(triangle, instance, p, n_front),

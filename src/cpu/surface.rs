@@ -95,6 +95,20 @@ pub fn bend_towards(ns: DVec3, wo: DVec3) -> DVec3 {
     normalize_accurate(across / norm + MIN_COS_SHADING * wo)
 }
 
+/// Turns `ns` just so far that what it mirrors of `wo` stays over the geometric surface (Keller et al.
+/// 2017, "The Iray Light Transport Simulation and Rendering System", section 4.4): a normal map
+/// describes a relief, whose steep sides reflect the rest of it and never the inside. `ns` and `ng` lie
+/// on wo's side.
+pub fn lift_reflection(ns: DVec3, ng: DVec3, wo: DVec3) -> DVec3 {
+    let mirrored = 2.0 * ns.dot(wo) * ns - wo;
+    let height = mirrored.dot(ng);
+    if height >= MIN_COS_SHADING {
+        return ns;
+    }
+    let lifted = normalize_accurate(mirrored + (MIN_COS_SHADING - height) * ng);
+    normalize_accurate(wo + lifted)
+}
+
 /// The hit of `ray`; not for a miss.
 pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
     let triangle = &packed.triangles[hit.triangle as usize];
@@ -145,7 +159,7 @@ pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
     }
 
     // The back of a double-sided surface has the reversed normal (glTF 2.0 section 3.9.6).
-    let ns = bend_towards(n * side, wo);
+    let ns = lift_reflection(bend_towards(n * side, wo), n_front * side, wo);
     Surface {
         p,
         p_error: position_error(packed, triangle, instance, p, n_front),

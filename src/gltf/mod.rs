@@ -70,7 +70,8 @@ pub struct Loaded {
     /// What the file holds and the picture does not show, one sentence each.
     pub notes: Vec<String>,
     pub counts: Counts,
-    /// The scene brought no light, so that it is lit by [`default_environment`].
+    /// The scene brought no light, so that it is lit by [`default_environment`]. Punctual lights and
+    /// emissive surfaces are light, but for emissive textures whose factor and strength are within 1.
     pub default_light: bool,
 }
 
@@ -146,7 +147,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, GltfError> {
         notes.add("animations are not played: the rest pose is drawn", "");
     }
 
-    let lit = !scene.lights.is_empty() || emits(&scene);
+    let lit = !scene.lights.is_empty() || gives_light(&scene);
     let default_light = !lit && options.environment.is_none();
     scene.environment = match &options.environment {
         Some(path) => Some(environment::load_environment_within(path, &source.budget)?),
@@ -335,14 +336,21 @@ fn check_extent(
     }
 }
 
-/// Whether a surface that is shown gives light.
-fn emits(scene: &Scene) -> bool {
+/// Whether a surface that is shown is there to give light. A texture that glows no brighter than a
+/// lit white surface is a screen or a label on something: alone it would leave the rest of it dark.
+fn gives_light(scene: &Scene) -> bool {
     let shown = scene
         .instances
         .iter()
         .flat_map(|instance| &scene.meshes[instance.mesh].primitives);
-    let mut emissive = shown.map(|primitive| scene.materials[primitive.material].emissive);
-    emissive.any(|emissive| emissive != Vec3::ZERO)
+    let mut materials = shown.map(|primitive| &scene.materials[primitive.material]);
+    materials.any(|material| {
+        let least = match material.emissive_texture {
+            Some(_) => 1.0,
+            None => 0.0,
+        };
+        material.emissive.max_element() > least
+    })
 }
 
 fn count(root: &Json<'_>, scene: &Scene) -> Result<Counts, GltfError> {

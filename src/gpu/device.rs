@@ -1,5 +1,7 @@
 //! Finding and opening an adapter.
 
+use super::kernel::Kernel;
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 use thiserror::Error;
 
@@ -13,6 +15,8 @@ pub struct Gpu {
     /// What `open` was asked for, to open it again.
     wanted: Option<String>,
     faults: Arc<Mutex<Vec<Fault>>>,
+    /// Our kernels by module, entry point and constants, as far as they have been asked for.
+    pub(super) kernels: Mutex<HashMap<String, Arc<Kernel>>>,
 }
 
 /// What went wrong on the device since it was opened.
@@ -171,6 +175,7 @@ pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
         limits,
         wanted: wanted.map(str::to_owned),
         faults,
+        kernels: Mutex::default(),
     })
 }
 

@@ -1,8 +1,9 @@
 //! A linked shader as a compute pipeline, and its bind groups.
 
 use super::device::Gpu;
-use super::link::{LinkError, Linked, ShaderError};
+use super::link::{LinkError, Linked, ShaderError, link};
 use std::collections::BTreeMap;
+use std::sync::{Arc, PoisonError};
 use thiserror::Error;
 
 /// One entry point, compiled.
@@ -102,6 +103,25 @@ impl Kernel {
             label: entry.to_owned(),
             used,
         })
+    }
+
+    /// A kernel of shaders/kernels, compiled when this device is first asked for it with these
+    /// constants: a driver can take a second over each, and one process may render many scenes.
+    pub fn of_renderer(
+        gpu: &Gpu,
+        module: &str,
+        entry: &str,
+        constants: &[(&str, f64)],
+    ) -> Result<Arc<Self>, KernelError> {
+        let name = format!("{module} {entry} {constants:?}");
+        let lock = || gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kernel) = lock().get(&name) {
+            return Ok(Arc::clone(kernel));
+        }
+        let linked = link(&format!("kernels/{module}"))?;
+        let kernel = Arc::new(Self::with_constants(gpu, &linked, entry, constants)?);
+        lock().insert(name, Arc::clone(&kernel));
+        Ok(kernel)
     }
 
     /// The bind groups 0 to the highest one used, with what `resource(group, binding)` gives.

@@ -2,12 +2,12 @@
 
 use super::device::{Fault, Gpu};
 use super::kernel::{Kernel, KernelError};
-use super::link::link;
 use super::read::read;
 use super::upload::Scene;
 use crate::render::RayCount;
 use crate::shared::Frame;
 use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
 
 /// Bytes of one path's state: `PLANES` of 16 (shaders/kernels/state.wgsl).
 pub const PATH_BYTES: u64 = 160;
@@ -31,7 +31,7 @@ pub struct FilmCell {
 
 /// A kernel bound to this wavefront's buffers.
 struct Stage {
-    kernel: Kernel,
+    kernel: Arc<Kernel>,
     groups: Vec<wgpu::BindGroup>,
 }
 
@@ -95,8 +95,7 @@ impl Wavefront {
             wgpu::BufferUsages::COPY_SRC,
         );
         let stage = |module: &str, entry: &str, third: &wgpu::Buffer| {
-            let linked = link(&format!("kernels/{module}"))?;
-            let kernel = Kernel::with_constants(gpu, &linked, entry, constants)?;
+            let kernel = Kernel::of_renderer(gpu, module, entry, constants)?;
             let groups = kernel.bind(gpu, |group, binding| match (group, binding) {
                 (0, _) => scene.resource(binding),
                 (_, 0) => paths.as_entire_binding(),

@@ -1,6 +1,6 @@
 //! Environment maps, and what is made for a scene without light or camera.
 
-use crate::asset::Asset;
+use crate::asset::{Asset, pixel_png};
 use glam::Vec3;
 use serde_json::json;
 use snell::gltf::{
@@ -53,6 +53,25 @@ fn a_scene_without_light_gets_the_default_one() {
     assert!(!glowing.default_light && glowing.scene.environment.is_none());
 }
 
+#[test]
+fn a_glowing_label_is_not_a_light_but_a_strong_one_is() {
+    let png = pixel_png([255; 4]);
+    let labelled = |strength: f32| {
+        let mut asset = Asset::triangle();
+        let texture = asset.texture(&png);
+        let loaded = asset
+            .with_material(json!({
+                "emissiveFactor": [1, 1, 1],
+                "emissiveTexture": {"index": texture},
+                "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": strength}},
+            }))
+            .load();
+        (loaded.default_light, loaded.scene.environment.is_some())
+    };
+    assert_eq!(labelled(1.0), (true, true));
+    assert_eq!(labelled(2.0), (false, false));
+}
+
 fn write_exr(path: &Path, pixels: &[[f32; 3]], width: usize) {
     let color = |x: usize, y: usize| {
         let [r, g, b] = pixels[y * width + x];
@@ -86,7 +105,7 @@ fn maps_are_read_from_exr_hdr_and_png() {
         assert_eq!((map.strength, map.rotation), (1.0, 0.0));
     }
     let png = folder.path().join("map.png");
-    std::fs::write(&png, crate::asset::pixel_png([188, 255, 0, 255])).unwrap();
+    std::fs::write(&png, pixel_png([188, 255, 0, 255])).unwrap();
     let [r, g, b] = load_environment(&png).unwrap().radiance[0];
     assert!(
         (r - 0.5029).abs() < 1e-4 && g == 1.0 && b == 0.0,

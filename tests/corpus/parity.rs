@@ -1,12 +1,7 @@
-//! The corpus on lavapipe: every file that uses only what Snell knows renders; a dozen of them are
-//! compared with the reference.
-#![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
+//! A dozen files and more, rendered by both renderers.
 
-mod common;
-#[path = "common/picture.rs"]
-mod picture;
-
-use picture::*;
+use crate::common::gpu;
+use crate::picture::*;
 
 /// One for each kind of content: textures, samplers, alpha, vertex colours, tangents, transforms,
 /// strips, sparse data, negative scales, lights, emission, unlit, metals.
@@ -32,7 +27,7 @@ const COMPARED: [&str; 16] = [
 #[test]
 fn a_dozen_assets_agree_with_the_reference() {
     let Some(corpus) = corpus() else { return };
-    let mut gpu = common::gpu();
+    let mut gpu = gpu();
     let mut faults = Vec::new();
     for name in COMPARED {
         let packed = packed(&load_scene(&corpus.join(name)), [80, 60]);

@@ -1,0 +1,107 @@
+//! Every file: it renders, or is refused for the extension that it requires.
+
+use crate::common::gpu;
+use crate::picture::*;
+use snell::pack::{Background, View, pack};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Small, for there are more than a hundred and fifty; each shows its scene in hundreds of pixels.
+const SIZE: [u32; 2] = [48, 36];
+
+/// Files that require an extension which is not supported.
+const REFUSED: [&str; 8] = [
+    "blender-io/14_emission_strength/14_emission_strength.gltf",
+    "compressed/CesiumBalloonKTX2.glb",
+    "compressed/DenseSphere.glb",
+    "compressed/EXT_meshopt_compression/meshopt-no-fallback/meshopt-no-fallback.gltf",
+    "compressed/KHR_meshopt_compression/meshopt-no-fallback/meshopt-no-fallback.gltf",
+    "compressed/pirate.glb",
+    "core/CesiumMilkTruck-glTF-Draco/CesiumMilkTruck.gltf",
+    "materials/heart_draco.glb",
+];
+
+/// Files of which nothing is drawn: points and lines only, or an alpha cutoff above 1.
+const EMPTY: [&str; 5] = [
+    "asset-generator/Material_AlphaMask/Material_AlphaMask_03.gltf",
+    "asset-generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_00.gltf",
+    "asset-generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_02.gltf",
+    "asset-generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_08.gltf",
+    "asset-generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_10.gltf",
+];
+
+/// Lit only by a filament in a bulb whose KHR_materials_transmission is not drawn.
+const DARK: &str = "materials/AnisotropyBarnLamp/AnisotropyBarnLamp.gltf";
+
+/// The .gltf and .glb files under a folder, sorted.
+fn models(folder: &Path) -> Vec<PathBuf> {
+    let mut folders = vec![folder.to_owned()];
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "gltf" || e == "glb") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn every_file_that_is_supported_renders() {
+    let Some(corpus) = corpus() else { return };
+    let mut gpu = gpu();
+    let mut faults = Vec::new();
+    let mut rendered = 0;
+    for path in models(&corpus) {
+        let name = path.strip_prefix(&corpus).unwrap().to_str().unwrap();
+        if REFUSED.contains(&name) {
+            continue;
+        }
+        let scene = load_scene(&path);
+        let view = View {
+            background: Background::Transparent,
+            ..view(&scene, SIZE)
+        };
+        let packed = pack(&scene, &view).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let film = on_gpu(&mut gpu, &packed, &whole(&packed, 1));
+        let covered = film.pixels.iter().filter(|p| p.alpha > 0.0).count();
+        if film.non_finite() > 0 {
+            faults.push(format!("{name}: {} samples not finite", film.non_finite()));
+        }
+        if (covered == 0) != EMPTY.contains(&name) {
+            faults.push(format!("{name}: {covered} pixels covered"));
+        }
+        if film.is_black() != (covered == 0 || name == DARK) {
+            faults.push(format!("{name}: black is {}", film.is_black()));
+        }
+        rendered += 1;
+    }
+    println!("{rendered} files rendered");
+    assert!(rendered > 150, "only {rendered} files");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn a_file_that_requires_what_is_not_supported_is_refused() {
+    let Some(corpus) = corpus() else { return };
+    for name in REFUSED {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_snell"))
+            .arg("render")
+            .arg(corpus.join(name))
+            .args(["-o", "out.png", "--size", "8x8", "--spp", "1"])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{name}: {said}");
+        assert!(said.contains("extensionsRequired"), "{name}: {said}");
+        let left = std::fs::read_dir(folder.path()).unwrap().count();
+        assert_eq!(left, 0, "{name} left a file");
+    }
+}
