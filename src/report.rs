@@ -204,7 +204,6 @@ impl Memory {
     pub fn of(packed: &Packed) -> Memory {
         Memory {
             packed: arrays(packed)
-                .into_iter()
                 .map(|(name, bytes)| (name, bytes.len() as u64))
                 .collect(),
             peak_resident: peak_resident(),
@@ -212,28 +211,20 @@ impl Memory {
     }
 }
 
-/// The arrays of a packed scene by name, as bytes.
-fn arrays(packed: &Packed) -> [(&'static str, &[u8]); 9] {
-    [
-        ("nodes", bytemuck::cast_slice(&packed.nodes)),
-        ("triangles", bytemuck::cast_slice(&packed.triangles)),
-        ("instances", bytemuck::cast_slice(&packed.instances)),
-        ("vertices", bytemuck::cast_slice(&packed.vertices)),
-        ("materials", bytemuck::cast_slice(&packed.materials)),
-        ("texels", bytemuck::cast_slice(&packed.texels)),
-        ("lights", bytemuck::cast_slice(&packed.lights)),
+/// The arrays of a packed scene by name, the environment's included, as bytes.
+fn arrays(packed: &Packed) -> impl Iterator<Item = (&'static str, &[u8])> {
+    packed.arrays().into_iter().chain([
         ("environment", bytemuck::cast_slice(&packed.environment)),
         (
             "environment_cells",
             bytemuck::cast_slice(&packed.environment_cells),
         ),
-    ]
+    ])
 }
 
 /// The hash of a packed scene: its arrays and its frame.
 pub fn packed_hash(packed: &Packed) -> String {
     arrays(packed)
-        .into_iter()
         .map(|(_, bytes)| bytes)
         .chain([bytemuck::bytes_of(&packed.frame)])
         .fold(Fnv1a64::new(), Fnv1a64::add_part)

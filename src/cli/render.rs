@@ -30,10 +30,10 @@ pub struct RenderArgs {
     pub output: Vec<PathBuf>,
 
     /// Width and height in pixels.
-    #[arg(long, default_value = "1024x768", value_name = "WxH", value_parser = value::size)]
+    #[arg(long, default_value = "800x600", value_name = "WxH", value_parser = value::size)]
     pub size: [u32; 2],
     /// Samples of each pixel.
-    #[arg(long, default_value_t = 64, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: u32,
     /// Only these of a pixel's samples, by their running number; B is not included.
     #[arg(long, value_name = "A..B", value_parser = value::samples, conflicts_with = "spp")]

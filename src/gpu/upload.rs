@@ -39,15 +39,7 @@ const SMALLEST_BUFFER: u64 = 1024;
 impl Scene {
     /// Checks every size against the device's limits before anything is allocated.
     pub fn upload(gpu: &Gpu, packed: &Packed) -> Result<Self, UploadError> {
-        let arrays: [(&'static str, &[u8]); 7] = [
-            ("hierarchies", bytemuck::cast_slice(&packed.nodes)),
-            ("triangles", bytemuck::cast_slice(&packed.triangles)),
-            ("instances", bytemuck::cast_slice(&packed.instances)),
-            ("vertices", bytemuck::cast_slice(&packed.vertices)),
-            ("materials", bytemuck::cast_slice(&packed.materials)),
-            ("texels", bytemuck::cast_slice(&packed.texels)),
-            ("lights", bytemuck::cast_slice(&packed.lights)),
-        ];
+        let arrays = packed.arrays();
         let limit = gpu
             .limits
             .max_storage_buffer_binding_size

@@ -44,6 +44,22 @@ pub struct Packed {
     pub environment_cells: Vec<[f32; 2]>,
 }
 
+impl Packed {
+    /// The arrays that kernels bind as storage buffers, by name and in the order of their bindings
+    /// (shaders/bindings.wgsl, from 2 on), as bytes.
+    pub fn arrays(&self) -> [(&'static str, &[u8]); 7] {
+        [
+            ("nodes", bytemuck::cast_slice(&self.nodes)),
+            ("triangles", bytemuck::cast_slice(&self.triangles)),
+            ("instances", bytemuck::cast_slice(&self.instances)),
+            ("vertices", bytemuck::cast_slice(&self.vertices)),
+            ("materials", bytemuck::cast_slice(&self.materials)),
+            ("texels", bytemuck::cast_slice(&self.texels)),
+            ("lights", bytemuck::cast_slice(&self.lights)),
+        ]
+    }
+}
+
 /// What is asked of a scene: a picture.
 #[derive(Clone, Debug)]
 pub struct View {
