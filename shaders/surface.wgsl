@@ -79,10 +79,10 @@ fn bend_towards(ns: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     return normalize_accurate(across / norm + MIN_COS_SHADING * wo);
 }
 
-// Turns `ns` just so far that what it mirrors of `wo` stays over the geometric surface (Keller et al.
-// 2017, "The Iray Light Transport Simulation and Rendering System", section 4.4): a normal map
+// Turns `ns` just so far that what it mirrors of `wo` stays over the geometric surface: a normal map
 // describes a relief, whose steep sides reflect the rest of it and never the inside. `ns` and `ng` lie
-// on wo's side.
+// on wo's side. (Keller et al. 2017, "The Iray Light Transport Simulation and Rendering System", on
+// adapting the shading normal.)
 fn lift_reflection(ns: vec3<f32>, ng: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     let mirrored = 2.0 * dot(ns, wo) * ns - wo;
     let height = dot(mirrored, ng);

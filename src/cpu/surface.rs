@@ -95,10 +95,10 @@ pub fn bend_towards(ns: DVec3, wo: DVec3) -> DVec3 {
     normalize_accurate(across / norm + MIN_COS_SHADING * wo)
 }
 
-/// Turns `ns` just so far that what it mirrors of `wo` stays over the geometric surface (Keller et al.
-/// 2017, "The Iray Light Transport Simulation and Rendering System", section 4.4): a normal map
+/// Turns `ns` just so far that what it mirrors of `wo` stays over the geometric surface: a normal map
 /// describes a relief, whose steep sides reflect the rest of it and never the inside. `ns` and `ng` lie
-/// on wo's side.
+/// on wo's side. (Keller et al. 2017, "The Iray Light Transport Simulation and Rendering System", on
+/// adapting the shading normal.)
 pub fn lift_reflection(ns: DVec3, ng: DVec3, wo: DVec3) -> DVec3 {
     let mirrored = 2.0 * ns.dot(wo) * ns - wo;
     let height = mirrored.dot(ng);
