@@ -4,6 +4,7 @@
 mod common;
 
 use bytemuck::{Pod, Zeroable};
+use common::rays::{RayQuery, query, ray, towards};
 use common::shapes::{self, Random};
 use glam::{Affine3A, DMat3, DVec3, Quat, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
@@ -11,15 +12,6 @@ use snell::cpu;
 use snell::pack::Packed;
 use snell::scene::Scene;
 use snell::shared::NONE;
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct RayQuery {
-    origin: [f32; 3],
-    t_min: f32,
-    direction: [f32; 3],
-    t_max: f32,
-}
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -45,28 +37,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let any_hit = select(0u, 1u, trace_any(rays[id.x], id.x));
     traced[id.x] = Traced(hit.t, hit.u, hit.v, hit.instance, hit.triangle, any_hit);
 }";
-
-fn query(origin: Vec3, direction: Vec3) -> RayQuery {
-    RayQuery {
-        origin: origin.to_array(),
-        t_min: 0.0,
-        direction: direction.to_array(),
-        t_max: 1e30,
-    }
-}
-
-fn towards(origin: Vec3, target: Vec3) -> RayQuery {
-    query(origin, (target - origin).normalize())
-}
-
-fn ray(query: &RayQuery) -> cpu::ray::Ray {
-    cpu::ray::Ray {
-        origin: Vec3::from_array(query.origin).as_dvec3(),
-        t_min: f64::from(query.t_min),
-        direction: Vec3::from_array(query.direction).as_dvec3(),
-        t_max: f64::from(query.t_max),
-    }
-}
 
 /// The kernels' answers; ray number i has the alpha seed i.
 fn trace_gpu(packed: &Packed, rays: &[RayQuery]) -> Vec<Traced> {

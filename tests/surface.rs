@@ -4,6 +4,7 @@
 mod common;
 
 use bytemuck::{Pod, Zeroable};
+use common::rays::{RayQuery, ray, towards};
 use common::shapes::{self, Random};
 use glam::{Affine3A, DVec3, Quat, Vec2, Vec3, Vec4};
 use snell::cpu;
@@ -13,15 +14,6 @@ use snell::scene::{
     AlphaMode, Filter, Image, Mesh, Model, Pixels, Primitive, Scene, Texture, Wrap,
 };
 use snell::shared::{Bsdf, NONE};
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct RayQuery {
-    origin: [f32; 3],
-    t_min: f32,
-    direction: [f32; 3],
-    t_max: f32,
-}
 
 /// One ray's surface, flattened, and two rays from its either side.
 #[repr(C)]
@@ -75,24 +67,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         s.color, offset_origin(s.p, s.ng, s.ng, s.p_error), hit.t, offset_origin(s.p, s.ng, -s.ng, s.p_error), hit.u,
         Le_surface(materials[s.material], s), hit.v, bsdf_at(materials[s.material], s));
 }";
-
-fn towards(origin: Vec3, target: Vec3) -> RayQuery {
-    RayQuery {
-        origin: origin.to_array(),
-        t_min: 0.0,
-        direction: (target - origin).normalize().to_array(),
-        t_max: 1e30,
-    }
-}
-
-fn ray(query: &RayQuery) -> cpu::ray::Ray {
-    cpu::ray::Ray {
-        origin: Vec3::from_array(query.origin).as_dvec3(),
-        t_min: f64::from(query.t_min),
-        direction: Vec3::from_array(query.direction).as_dvec3(),
-        t_max: f64::from(query.t_max),
-    }
-}
 
 fn surfaces_gpu(packed: &Packed, rays: &[RayQuery]) -> Vec<Answer> {
     let bytes = common::run_scene(

@@ -1,6 +1,5 @@
 //! Rays, what they hit, and how a new ray starts on a surface without meeting it again.
 
-use crate::shared::NONE;
 use glam::DVec3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,12 +21,6 @@ pub struct Hit {
     pub instance: u32,
     /// Index in `Packed::triangles`.
     pub triangle: u32,
-}
-
-impl Hit {
-    pub fn is_miss(&self) -> bool {
-        self.instance == NONE
-    }
 }
 
 /// Rounding of the sum below, a few units in the last place of f32: 2^-21.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
 
 pub mod packed;
+pub mod rays;
 pub mod shapes;
 pub mod statistics;
 
