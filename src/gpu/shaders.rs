@@ -15,6 +15,7 @@ pub const MODULES: &[Module] = modules![
     "alpha",
     "attributes",
     "bindings",
+    "bsdf/albedo",
     "bsdf/bsdf",
     "bsdf/dielectric",
     "bsdf/distribution",

@@ -3,6 +3,7 @@
 use crate::shared;
 use glam::{DVec2, DVec3};
 
+pub mod albedo;
 #[allow(
     clippy::module_inception,
     reason = "the twin of shaders/bsdf/bsdf.wgsl, which puts the models of this folder together"
