@@ -1,6 +1,6 @@
 // What a material is at one point of a surface: its reflection model after texturing, its emission.
 
-import package::shared::{Material, Bsdf, Texture, NONE, BSDF_METALLIC_ROUGHNESS, BSDF_UNLIT, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE};
+import package::shared::{Material, Bsdf, Texture, NONE, BSDF_GLTF, BSDF_UNLIT, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE};
 import package::math::{sqr};
 import package::surface::{Surface, texcoord};
 import package::texture::{texture_sample};
@@ -41,18 +41,26 @@ fn bsdf_at(material: Material, surface: Surface) -> Bsdf {
 
 // The same for given values of what textures vary.
 fn bsdf_of(material: Material, base_color: vec3<f32>, metallic: f32, roughness: f32, front: bool) -> Bsdf {
-    var bsdf = Bsdf(
-        base_color, material.model, material.eta, material.fresnel, material.k, material.distribution,
-        material.alpha, material.roughness, material.masking);
-    if material.model == BSDF_METALLIC_ROUGHNESS {
-        // glTF 2.0 appendix B.3: a dielectric and a metal, mixed. Schlick's F0 of the dielectric part
-        // (KHR_materials_ior) goes along in k.x.
-        let dielectric_F0 = sqr((material.ior - 1.0) / (material.ior + 1.0));
-        bsdf.reflectance = base_color * (1.0 - metallic);
-        bsdf.eta = mix(vec3<f32>(dielectric_F0), base_color, metallic);
-        bsdf.k = vec3<f32>(dielectric_F0, 0.0, 0.0);
+    var bsdf: Bsdf;
+    bsdf.reflectance = base_color;
+    bsdf.model = material.model;
+    bsdf.eta = material.eta;
+    bsdf.fresnel = material.fresnel;
+    bsdf.k = material.k;
+    bsdf.distribution = material.distribution;
+    bsdf.alpha = material.alpha;
+    bsdf.roughness = material.roughness;
+    bsdf.masking = material.masking;
+    if material.model == BSDF_GLTF {
+        // glTF 2.0 appendix B.3: a dielectric and a metal, mixed.
+        bsdf.eta = vec3<f32>(material.ior);
         bsdf.alpha = vec2<f32>(sqr(roughness));
         bsdf.roughness = roughness;
+        bsdf.gltf.F0 = vec3<f32>(sqr((material.ior - 1.0) / (material.ior + 1.0)));
+        bsdf.gltf.F90 = 1.0;
+        bsdf.gltf.metallic = metallic;
+        bsdf.gltf.rotation = vec2<f32>(1.0, 0.0);
+        bsdf.gltf.coat_normal = vec3<f32>(0.0, 0.0, 1.0);
     } else if material.model == BSDF_UNLIT {
         bsdf.reflectance = vec3<f32>(0.0);
     } else if !front && (material.flags & MATERIAL_TRANSMISSIVE) != 0u {

@@ -13,7 +13,7 @@ const BSDF_SPECULAR_TRANSMISSION: u32 = 4u;
 const BSDF_DIELECTRIC: u32 = 5u;            // smooth: a delta reflection and a delta transmission
 const BSDF_ROUGH_DIELECTRIC: u32 = 6u;      // Walter et al. 2007
 const BSDF_TORRANCE_SPARROW: u32 = 7u;
-const BSDF_METALLIC_ROUGHNESS: u32 = 8u;    // glTF 2.0 appendix B
+const BSDF_GLTF: u32 = 8u;    // glTF 2.0 appendix B
 const BSDF_UNLIT: u32 = 9u;                 // KHR_materials_unlit: emits base colour, reflects nothing
 
 // `Bsdf.fresnel`
@@ -38,8 +38,15 @@ const MASKING_SMITH: u32 = 2u;
 const MATERIAL_DOUBLE_SIDED: u32 = 1u;
 const MATERIAL_ALPHA_MASK: u32 = 2u;
 const MATERIAL_ALPHA_BLEND: u32 = 4u;
-const MATERIAL_TRANSMISSIVE: u32 = 8u;  // rays meet its back faces too, whatever double-sidedness says
+const MATERIAL_TRANSMISSIVE: u32 = 8u;  // the closed boundary of a medium: rays meet its back faces too, whatever double-sidedness says
 const MATERIAL_EMISSIVE: u32 = 16u;     // its triangles are in the table of lights
+const MATERIAL_THIN_WALLED: u32 = 32u;  // light passes through it, and there is no inside
+const MATERIAL_SPECULAR_GLOSSINESS: u32 = 64u; // KHR_materials_pbrSpecularGlossiness
+
+// `Gltf.flags`
+const GLTF_TRANSMISSIVE: u32 = 1u; // the dielectric part has the exact Fresnel term; light may pass
+const GLTF_THIN_WALLED: u32 = 2u;  // and passes straight, without refraction
+const GLTF_INSIDE: u32 = 4u;       // wo is inside of the medium: coat, sheen and film are on the other side
 
 // `Texture.wrap`: wrap_s | wrap_t << 2; `Texture.format`; `Texture.filter`
 const WRAP_REPEAT: u32 = 0u;
@@ -170,18 +177,49 @@ struct Material {
     normal_scale: f32,
     metallic: f32,
     roughness: f32,          // glTF roughness; Oren-Nayar: sigma in radians, or EON's roughness
-    ior: f32,                // inside over outside, of dielectrics and of glTF's dielectric part
+    ior: f32,                // of the inside, absolute: dielectrics and glTF's dielectric part
     fresnel: u32,
     eta: vec3<f32>,          // conductor's index, or the constant reflectance, or F0
     distribution: u32,
     k: vec3<f32>,
     masking: u32,
     alpha: vec2<f32>,        // of Beckmann and GGX, or the exponents of Blinn and Ashikhmin-Shirley
-    reserved: vec2<u32>,
+    transmission: f32,       // KHR_materials_transmission
+    dispersion: f32,         // KHR_materials_dispersion, 20 over the Abbe number; 0: none
+    absorption: vec3<f32>,   // KHR_materials_volume: -ln(attenuation colour) / distance, per metre
+    diffuse_transmission: f32, // KHR_materials_diffuse_transmission
+    diffuse_transmission_color: vec3<f32>,
+    specular: f32,           // KHR_materials_specular
+    specular_color: vec3<f32>, // the same; of KHR_materials_pbrSpecularGlossiness: F0
+    anisotropy: f32,         // KHR_materials_anisotropy, strength
+    anisotropy_rotation: vec2<f32>, // cosine and sine
+    coat: f32,               // KHR_materials_clearcoat
+    coat_roughness: f32,
+    sheen_color: vec3<f32>,  // KHR_materials_sheen
+    sheen_roughness: f32,
+    iridescence: f32,        // KHR_materials_iridescence
+    film_ior: f32,
+    film_thickness: vec2<f32>, // nanometres where the texture is 0 and where it is 1
+    coat_normal_scale: f32,
+    reserved0: u32,
+    reserved1: vec2<u32>,
     base_color_texture: Texture,
     metallic_roughness_texture: Texture,
     normal_texture: Texture,
     emissive_texture: Texture,
+    transmission_texture: Texture,        // red
+    diffuse_transmission_texture: Texture, // alpha
+    diffuse_transmission_color_texture: Texture,
+    specular_texture: Texture,            // alpha
+    specular_color_texture: Texture,      // of specular-glossiness: F0 and, in alpha, glossiness
+    anisotropy_texture: Texture,          // direction in red and green, strength in blue
+    coat_texture: Texture,                // red
+    coat_roughness_texture: Texture,      // green
+    coat_normal_texture: Texture,
+    sheen_color_texture: Texture,
+    sheen_roughness_texture: Texture,     // alpha
+    iridescence_texture: Texture,         // red
+    film_thickness_texture: Texture,      // green
 }
 
 // One entry of the table of lights; also an entry of its alias table (Walker 1977, Vose 1991).
@@ -204,18 +242,43 @@ struct Light {
     reserved2: u32,
 }
 
+// What glTF's extensions add to a reflection model, after texturing. Of the base, `Bsdf.reflectance` is
+// the base colour, `Bsdf.eta.x` the dielectric's index over that of the medium which wo is in (of its
+// inside: the inverse), `Bsdf.roughness` glTF's, `Bsdf.alpha` along and across the anisotropy.
+struct Gltf {
+    F0: vec3<f32>,             // of the dielectric part (KHR_materials_ior, KHR_materials_specular)
+    F90: f32,
+    metallic: f32,
+    transmission: f32,
+    rotation: vec2<f32>,       // cosine and sine of the anisotropy's direction against the frame's x
+    diffuse_transmission_color: vec3<f32>,
+    diffuse_transmission: f32,
+    sheen_color: vec3<f32>,
+    sheen_roughness: f32,
+    coat_normal: vec3<f32>,    // in the frame of wo and wi, unit length
+    coat: f32,
+    coat_roughness: f32,
+    iridescence: f32,
+    film_ior: f32,
+    film_thickness: f32,       // nanometres
+    flags: u32,
+    reserved0: u32,
+    reserved1: vec2<u32>,
+}
+
 // A reflection model with its parameters after texturing, in the local frame of a hit: what the
 // reflection functions take and what the laboratory's queries carry.
 struct Bsdf {
-    reflectance: vec3<f32>, // diffuse albedo, or the factor of a specular lobe
+    reflectance: vec3<f32>, // diffuse albedo, or the factor of a specular lobe; glTF: base colour
     model: u32,
     eta: vec3<f32>,         // conductor: index; constant: reflectance; Schlick: F0; dielectric: x is far over near, seen from wo
     fresnel: u32,
     k: vec3<f32>,
     distribution: u32,
     alpha: vec2<f32>,
-    roughness: f32,         // Oren-Nayar: sigma in radians, EON: roughness, metallic-roughness: glTF's
+    roughness: f32,         // Oren-Nayar: sigma in radians, EON: roughness, glTF's
     masking: u32,
+    gltf: Gltf,
 }
 
 // The laboratory: one query and its answer (kernels/bsdf_lab).

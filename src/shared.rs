@@ -14,7 +14,7 @@ pub const BSDF_SPECULAR_TRANSMISSION: u32 = 4;
 pub const BSDF_DIELECTRIC: u32 = 5;
 pub const BSDF_ROUGH_DIELECTRIC: u32 = 6;
 pub const BSDF_TORRANCE_SPARROW: u32 = 7;
-pub const BSDF_METALLIC_ROUGHNESS: u32 = 8;
+pub const BSDF_GLTF: u32 = 8;
 pub const BSDF_UNLIT: u32 = 9;
 pub const FRESNEL_CONSTANT: u32 = 0;
 pub const FRESNEL_DIELECTRIC: u32 = 1;
@@ -33,6 +33,11 @@ pub const MATERIAL_ALPHA_MASK: u32 = 2;
 pub const MATERIAL_ALPHA_BLEND: u32 = 4;
 pub const MATERIAL_TRANSMISSIVE: u32 = 8;
 pub const MATERIAL_EMISSIVE: u32 = 16;
+pub const MATERIAL_THIN_WALLED: u32 = 32;
+pub const MATERIAL_SPECULAR_GLOSSINESS: u32 = 64;
+pub const GLTF_TRANSMISSIVE: u32 = 1;
+pub const GLTF_THIN_WALLED: u32 = 2;
+pub const GLTF_INSIDE: u32 = 4;
 pub const WRAP_REPEAT: u32 = 0;
 pub const WRAP_CLAMP: u32 = 1;
 pub const WRAP_MIRROR: u32 = 2;
@@ -167,11 +172,42 @@ pub struct Material {
     pub k: [f32; 3],
     pub masking: u32,
     pub alpha: [f32; 2],
-    pub reserved: [u32; 2],
+    pub transmission: f32,
+    pub dispersion: f32,
+    pub absorption: [f32; 3],
+    pub diffuse_transmission: f32,
+    pub diffuse_transmission_color: [f32; 3],
+    pub specular: f32,
+    pub specular_color: [f32; 3],
+    pub anisotropy: f32,
+    pub anisotropy_rotation: [f32; 2],
+    pub coat: f32,
+    pub coat_roughness: f32,
+    pub sheen_color: [f32; 3],
+    pub sheen_roughness: f32,
+    pub iridescence: f32,
+    pub film_ior: f32,
+    pub film_thickness: [f32; 2],
+    pub coat_normal_scale: f32,
+    pub reserved0: u32,
+    pub reserved1: [u32; 2],
     pub base_color_texture: Texture,
     pub metallic_roughness_texture: Texture,
     pub normal_texture: Texture,
     pub emissive_texture: Texture,
+    pub transmission_texture: Texture,
+    pub diffuse_transmission_texture: Texture,
+    pub diffuse_transmission_color_texture: Texture,
+    pub specular_texture: Texture,
+    pub specular_color_texture: Texture,
+    pub anisotropy_texture: Texture,
+    pub coat_texture: Texture,
+    pub coat_roughness_texture: Texture,
+    pub coat_normal_texture: Texture,
+    pub sheen_color_texture: Texture,
+    pub sheen_roughness_texture: Texture,
+    pub iridescence_texture: Texture,
+    pub film_thickness_texture: Texture,
 }
 
 /// One entry of the table of lights; also an entry of its alias table (Walker 1977, Vose 1991).
@@ -196,6 +232,31 @@ pub struct Light {
     pub reserved2: u32,
 }
 
+/// What glTF's extensions add to a reflection model, after texturing.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[allow(non_snake_case, reason = "the letters of the formulas")]
+pub struct Gltf {
+    pub F0: [f32; 3],
+    pub F90: f32,
+    pub metallic: f32,
+    pub transmission: f32,
+    pub rotation: [f32; 2],
+    pub diffuse_transmission_color: [f32; 3],
+    pub diffuse_transmission: f32,
+    pub sheen_color: [f32; 3],
+    pub sheen_roughness: f32,
+    pub coat_normal: [f32; 3],
+    pub coat: f32,
+    pub coat_roughness: f32,
+    pub iridescence: f32,
+    pub film_ior: f32,
+    pub film_thickness: f32,
+    pub flags: u32,
+    pub reserved0: u32,
+    pub reserved1: [u32; 2],
+}
+
 /// A reflection model with its parameters after texturing, in the local frame of a hit: what the
 /// reflection functions take and what the laboratory's queries carry.
 #[repr(C)]
@@ -210,6 +271,7 @@ pub struct Bsdf {
     pub alpha: [f32; 2],
     pub roughness: f32,
     pub masking: u32,
+    pub gltf: Gltf,
 }
 
 /// The laboratory: one query and its answer (kernels/bsdf_lab).

@@ -51,7 +51,7 @@ fn compare(module: &naga::Module, name: &str, host: Layout) {
 #[test]
 fn structures_agree_field_by_field() {
     let (module, _) = link("shared").unwrap().validate().unwrap();
-    let structs: [(&str, Layout); 11] = [
+    let structs: [(&str, Layout); 12] = [
         (
             "Camera",
             host!(shared::Camera {
@@ -156,11 +156,42 @@ fn structures_agree_field_by_field() {
                 k,
                 masking,
                 alpha,
-                reserved,
+                transmission,
+                dispersion,
+                absorption,
+                diffuse_transmission,
+                diffuse_transmission_color,
+                specular,
+                specular_color,
+                anisotropy,
+                anisotropy_rotation,
+                coat,
+                coat_roughness,
+                sheen_color,
+                sheen_roughness,
+                iridescence,
+                film_ior,
+                film_thickness,
+                coat_normal_scale,
+                reserved0,
+                reserved1,
                 base_color_texture,
                 metallic_roughness_texture,
                 normal_texture,
                 emissive_texture,
+                transmission_texture,
+                diffuse_transmission_texture,
+                diffuse_transmission_color_texture,
+                specular_texture,
+                specular_color_texture,
+                anisotropy_texture,
+                coat_texture,
+                coat_roughness_texture,
+                coat_normal_texture,
+                sheen_color_texture,
+                sheen_roughness_texture,
+                iridescence_texture,
+                film_thickness_texture,
             }),
         ),
         (
@@ -185,6 +216,29 @@ fn structures_agree_field_by_field() {
             }),
         ),
         (
+            "Gltf",
+            host!(shared::Gltf {
+                F0,
+                F90,
+                metallic,
+                transmission,
+                rotation,
+                diffuse_transmission_color,
+                diffuse_transmission,
+                sheen_color,
+                sheen_roughness,
+                coat_normal,
+                coat,
+                coat_roughness,
+                iridescence,
+                film_ior,
+                film_thickness,
+                flags,
+                reserved0,
+                reserved1,
+            }),
+        ),
+        (
             "Bsdf",
             host!(shared::Bsdf {
                 reflectance,
@@ -195,7 +249,8 @@ fn structures_agree_field_by_field() {
                 distribution,
                 alpha,
                 roughness,
-                masking
+                masking,
+                gltf,
             }),
         ),
         (

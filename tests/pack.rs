@@ -447,10 +447,7 @@ fn materials_keep_what_their_models_say() {
         },
     ];
     let m = shapes::packed(&scene).materials;
-    assert_eq!(
-        (m[0].model, m[0].flags),
-        (BSDF_METALLIC_ROUGHNESS, MATERIAL_DOUBLE_SIDED)
-    );
+    assert_eq!((m[0].model, m[0].flags), (BSDF_GLTF, MATERIAL_DOUBLE_SIDED));
     assert_eq!(
         (m[0].ior, m[0].roughness, m[0].fresnel),
         (1.5, 0.5, FRESNEL_SCHLICK)

@@ -42,7 +42,7 @@ fn model(inputs: &mut Inputs, model: u32, b: &mut Bsdf) {
             b.masking = 1 + inputs.pick(2);
             b.eta = [inputs.eta(), 0.0, 0.0];
         }
-        BSDF_METALLIC_ROUGHNESS => {
+        BSDF_GLTF => {
             b.fresnel = FRESNEL_SCHLICK;
             b.eta = inputs.color();
             b.k = [inputs.unit() * 0.3, 0.0, 0.0];
@@ -91,7 +91,7 @@ const FLOOR: f64 = 1e-10;
 const FLOOR_METALLIC_ROUGHNESS: f64 = 2e-3;
 
 fn values(kind: u32) -> [Value; 4] {
-    let floor = if kind == BSDF_METALLIC_ROUGHNESS {
+    let floor = if kind == BSDF_GLTF {
         FLOOR_METALLIC_ROUGHNESS
     } else {
         FLOOR
@@ -236,5 +236,5 @@ models! {
     dielectric BSDF_DIELECTRIC,
     rough_dielectric BSDF_ROUGH_DIELECTRIC,
     torrance_sparrow BSDF_TORRANCE_SPARROW,
-    metallic_roughness BSDF_METALLIC_ROUGHNESS,
+    metallic_roughness BSDF_GLTF,
 }

@@ -115,17 +115,7 @@ fn surface_cpu(packed: &Packed, query: &RayQuery, hit: cpu::ray::Hit) -> Answer 
     answer.below = offset(-s.ng);
     answer.emitted = vector(cpu::material::Le_surface(packed, material, &s));
     [answer.hit_t, answer.hit_u, answer.hit_v] = [hit.t, hit.u, hit.v].map(|x| x as f32);
-    answer.bsdf = Bsdf {
-        reflectance: vector(bsdf.reflectance),
-        model: bsdf.model,
-        eta: vector(bsdf.eta),
-        fresnel: bsdf.fresnel,
-        k: vector(bsdf.k),
-        distribution: bsdf.distribution,
-        alpha: bsdf.alpha.as_vec2().to_array(),
-        roughness: bsdf.roughness as f32,
-        masking: bsdf.masking,
-    };
+    answer.bsdf = Bsdf::from(&bsdf);
     answer
 }
 

@@ -3,7 +3,7 @@
 // wo and wi are in the local frame. A wo below the surface is the mirror image of one above it, with
 // wi mirrored too; eta of a dielectric is always the far side's index over the near side's, seen from wo.
 
-import package::shared::{Bsdf, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION, BSDF_DIELECTRIC, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_METALLIC_ROUGHNESS};
+import package::shared::{Bsdf, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION, BSDF_DIELECTRIC, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_GLTF};
 import package::sample::{sample_cosine_hemisphere, pdf_cosine_hemisphere};
 import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of, is_reflected, mirrored, MIN_COS};
 import package::bsdf::specular::{specular_reflection_sample, specular_transmission_sample};
@@ -68,7 +68,7 @@ fn bsdf_eval_above(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
         case BSDF_TORRANCE_SPARROW: {
             return torrance_sparrow_eval(bsdf, wo, wi);
         }
-        case BSDF_METALLIC_ROUGHNESS: {
+        case BSDF_GLTF: {
             return metallic_roughness_eval(bsdf, wo, wi);
         }
         default: { // BSDF_UNLIT
@@ -113,7 +113,7 @@ fn bsdf_sample_above(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
             }
             return torrance_sparrow_sample(bsdf, wo, u.yz);
         }
-        case BSDF_METALLIC_ROUGHNESS: {
+        case BSDF_GLTF: {
             return metallic_roughness_sample(bsdf, wo, u);
         }
         default: { // BSDF_UNLIT

@@ -6,8 +6,7 @@ use super::surface::{Surface, texcoord};
 use super::texture::texture_sample;
 use crate::pack::Packed;
 use crate::shared::{
-    BSDF_METALLIC_ROUGHNESS, BSDF_UNLIT, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE, Material,
-    Texture,
+    BSDF_GLTF, BSDF_UNLIT, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE, Material, Texture,
 };
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4};
 
@@ -51,17 +50,19 @@ pub fn bsdf_of(
         alpha: Vec2::from_array(material.alpha).as_dvec2(),
         roughness: f64::from(material.roughness),
         masking: material.masking,
+        ..Bsdf::default()
     };
-    if material.model == BSDF_METALLIC_ROUGHNESS {
-        // glTF 2.0 appendix B.3: a dielectric and a metal, mixed. Schlick's F0 of the dielectric part
-        // (KHR_materials_ior) goes along in k.x.
+    if material.model == BSDF_GLTF {
+        // glTF 2.0 appendix B.3: a dielectric and a metal, mixed.
         let ior = f64::from(material.ior);
-        let dielectric_F0 = sqr((ior - 1.0) / (ior + 1.0));
-        bsdf.reflectance = base_color * (1.0 - metallic);
-        bsdf.eta = DVec3::splat(dielectric_F0).lerp(base_color, metallic);
-        bsdf.k = DVec3::new(dielectric_F0, 0.0, 0.0);
+        bsdf.eta = DVec3::splat(ior);
         bsdf.alpha = DVec2::splat(sqr(roughness));
         bsdf.roughness = roughness;
+        bsdf.gltf.F0 = DVec3::splat(sqr((ior - 1.0) / (ior + 1.0)));
+        bsdf.gltf.F90 = 1.0;
+        bsdf.gltf.metallic = metallic;
+        bsdf.gltf.rotation = DVec2::X;
+        bsdf.gltf.coat_normal = DVec3::Z;
     } else if material.model == BSDF_UNLIT {
         bsdf.reflectance = DVec3::ZERO;
     } else if !front && material.flags & MATERIAL_TRANSMISSIVE != 0 {

@@ -4,8 +4,7 @@ use crate::cpu;
 use crate::pack::model::{ModelError, lower_bsdf};
 use crate::scene::bsdf_model::BsdfModel;
 use crate::shared::{
-    BSDF_METALLIC_ROUGHNESS, BSDF_UNLIT, Bsdf, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH,
-    Material,
+    BSDF_GLTF, BSDF_UNLIT, Bsdf, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH, Material,
 };
 use bytemuck::Zeroable;
 use glam::Vec4;
@@ -128,7 +127,7 @@ pub fn material_of(value: &Value) -> Result<Material, MaterialError> {
     }
     from_0_to_1("metallicFactor", pbr.metallic_factor)?;
     from_0_to_1("roughnessFactor", pbr.roughness_factor)?;
-    material.model = BSDF_METALLIC_ROUGHNESS;
+    material.model = BSDF_GLTF;
     material.base_color = pbr.base_color_factor;
     material.metallic = pbr.metallic_factor;
     material.roughness = pbr.roughness_factor;
@@ -180,16 +179,7 @@ fn from_0_to_1(name: &'static str, value: f32) -> Result<(), MaterialError> {
 pub fn bsdf_of(material: &Material) -> Bsdf {
     let base_color = Vec4::from_array(material.base_color).truncate().as_dvec3();
     let (metallic, roughness) = (f64::from(material.metallic), f64::from(material.roughness));
-    let bsdf = cpu::material::bsdf_of(material, base_color, metallic, roughness, true);
-    Bsdf {
-        reflectance: bsdf.reflectance.as_vec3().to_array(),
-        model: bsdf.model,
-        eta: bsdf.eta.as_vec3().to_array(),
-        fresnel: bsdf.fresnel,
-        k: bsdf.k.as_vec3().to_array(),
-        distribution: bsdf.distribution,
-        alpha: bsdf.alpha.as_vec2().to_array(),
-        roughness: bsdf.roughness as f32,
-        masking: bsdf.masking,
-    }
+    Bsdf::from(&cpu::material::bsdf_of(
+        material, base_color, metallic, roughness, true,
+    ))
 }

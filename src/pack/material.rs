@@ -5,8 +5,8 @@ use super::model::lower_bsdf;
 use super::texture::Textures;
 use crate::scene::{self, AlphaMode, Model};
 use crate::shared::{
-    BSDF_METALLIC_ROUGHNESS, BSDF_UNLIT, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH,
-    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE, Material,
+    BSDF_GLTF, BSDF_UNLIT, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH, MATERIAL_ALPHA_BLEND,
+    MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE, Material,
 };
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -32,7 +32,7 @@ pub fn pack_material(
     };
     match &material.model {
         Model::MetallicRoughness(m) => {
-            packed.model = BSDF_METALLIC_ROUGHNESS;
+            packed.model = BSDF_GLTF;
             packed.base_color = m.base_color.to_array();
             packed.metallic = m.metallic;
             packed.roughness = m.roughness;

@@ -3,7 +3,7 @@
 
 use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
-use snell::cpu::bsdf::Bsdf;
+use snell::cpu::bsdf::{Bsdf, Gltf};
 use snell::shared::{self, *};
 
 pub fn direction(theta: f64, phi: f64) -> DVec3 {
@@ -84,11 +84,17 @@ pub fn lobes() -> Vec<Bsdf> {
 /// glTF's white dielectric.
 pub fn plastic(roughness: f64) -> Bsdf {
     Bsdf {
-        model: BSDF_METALLIC_ROUGHNESS,
-        eta: DVec3::splat(0.04),
-        k: DVec3::new(0.04, 0.0, 0.0),
+        model: BSDF_GLTF,
+        eta: DVec3::splat(1.5),
         fresnel: FRESNEL_SCHLICK,
         roughness,
+        gltf: Gltf {
+            F0: DVec3::splat(0.04),
+            F90: 1.0,
+            rotation: DVec2::X,
+            coat_normal: DVec3::Z,
+            ..Gltf::default()
+        },
         ..lobe(DISTRIBUTION_GGX, [roughness * roughness; 2], MASKING_SMITH)
     }
 }

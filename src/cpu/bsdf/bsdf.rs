@@ -16,9 +16,9 @@ use super::specular::{specular_reflection_sample, specular_transmission_sample};
 use super::torrance_sparrow::{torrance_sparrow_eval, torrance_sparrow_sample};
 use crate::cpu::sample::{pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use crate::shared::{
-    BSDF_DIELECTRIC, BSDF_LAMBERTIAN, BSDF_METALLIC_ROUGHNESS, BSDF_OREN_NAYAR,
-    BSDF_OREN_NAYAR_EON, BSDF_ROUGH_DIELECTRIC, BSDF_SPECULAR_REFLECTION,
-    BSDF_SPECULAR_TRANSMISSION, BSDF_TORRANCE_SPARROW, Tables,
+    BSDF_DIELECTRIC, BSDF_GLTF, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON,
+    BSDF_ROUGH_DIELECTRIC, BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION,
+    BSDF_TORRANCE_SPARROW, Tables,
 };
 use glam::{DVec2, DVec3};
 
@@ -64,7 +64,7 @@ pub fn bsdf_eval_above(tables: &Tables, bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> Bs
         BSDF_LAMBERTIAN | BSDF_OREN_NAYAR | BSDF_OREN_NAYAR_EON => diffuse_eval(bsdf, wo, wi),
         BSDF_ROUGH_DIELECTRIC => rough_dielectric_eval(bsdf, wo, wi),
         BSDF_TORRANCE_SPARROW => torrance_sparrow_eval(bsdf, wo, wi),
-        BSDF_METALLIC_ROUGHNESS => metallic_roughness_eval(tables, bsdf, wo, wi),
+        BSDF_GLTF => metallic_roughness_eval(tables, bsdf, wo, wi),
         _ => no_eval(), // BSDF_UNLIT
     }
 }
@@ -103,7 +103,7 @@ pub fn bsdf_sample_above(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> B
             }
             torrance_sparrow_sample(bsdf, wo, u_direction)
         }
-        BSDF_METALLIC_ROUGHNESS => metallic_roughness_sample(tables, bsdf, wo, u),
+        BSDF_GLTF => metallic_roughness_sample(tables, bsdf, wo, u),
         _ => no_sample(), // BSDF_UNLIT
     }
 }

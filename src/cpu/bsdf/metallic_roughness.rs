@@ -1,5 +1,4 @@
-//! glTF's material, energy-sound. reflectance is base colour * (1 - metallic), eta is F0 mixed between
-//! dielectric and base colour, k.x the dielectric part's own F0, alpha roughness^2 twice.
+//! glTF's material, energy-sound: a dielectric and a metal, mixed.
 //!
 //! glTF 2.0 appendix B adds diffuse and specular by fresnel_mix, 1 - F(wo . wm) of the diffuse part: that
 //! is not reciprocal in energy and exceeds 1 in a white furnace. Here the diffuse part gets what the
@@ -9,7 +8,7 @@
 use super::Bsdf;
 use super::albedo::{albedo_average_ggx, albedo_ggx};
 use super::distribution::is_smooth;
-use super::fresnel::fresnel_F;
+use super::fresnel::schlick_weight;
 use super::lobe::{BsdfEval, BsdfSample, MIN_COS, is_reflected, no_eval, no_sample, sample_of};
 use super::specular::reflection_direction;
 use super::torrance_sparrow::{facet_sample, half_vector, torrance_sparrow_shape};
@@ -24,26 +23,39 @@ pub const LOBE_PROBABILITY_MIN: f64 = 0.1;
 /// What the diffuse part divides by at least; only a dielectric that reflects everything gets there.
 pub const DIFFUSE_AVERAGE_MIN: f64 = 1e-4;
 
+/// Reflectance of a facet: Schlick's form, its ends mixed between dielectric and metal.
+pub fn F_gltf(bsdf: &Bsdf, cos_theta: f64) -> DVec3 {
+    let F0 = bsdf.gltf.F0.lerp(bsdf.reflectance, bsdf.gltf.metallic);
+    let F90 = bsdf.gltf.F90 + (1.0 - bsdf.gltf.F90) * bsdf.gltf.metallic;
+    F0 + (F90 - F0) * schlick_weight(cos_theta)
+}
+
 /// What the dielectric's lobe leaves over, 1 - E.
-pub fn diffuse_share(tables: &Tables, bsdf: &Bsdf, cos_theta: f64) -> f64 {
+pub fn diffuse_share(tables: &Tables, bsdf: &Bsdf, cos_theta: f64) -> DVec3 {
     let E = albedo_ggx(tables, cos_theta, bsdf.roughness, is_smooth(bsdf));
-    (1.0 - (bsdf.k.x * E.x + E.y)).max(0.0)
+    (1.0 - (bsdf.gltf.F0 * E.x + bsdf.gltf.F90 * E.y)).max(DVec3::ZERO)
 }
 
 /// f of the diffuse part.
 pub fn f_metallic_roughness_diffuse(tables: &Tables, bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> DVec3 {
     let average = albedo_average_ggx(tables, bsdf.roughness, is_smooth(bsdf));
-    let share_average = (1.0 - (bsdf.k.x * average.x + average.y)).max(DIFFUSE_AVERAGE_MIN);
-    let shares = diffuse_share(tables, bsdf, wo.z) * diffuse_share(tables, bsdf, wi.z);
-    bsdf.reflectance * (INV_PI * shares / share_average)
+    let share_average = (1.0 - (bsdf.gltf.F0 * average.x + bsdf.gltf.F90 * average.y))
+        .max(DVec3::splat(DIFFUSE_AVERAGE_MIN));
+    let shares =
+        diffuse_share(tables, bsdf, wo.z) * diffuse_share(tables, bsdf, wi.z) / share_average;
+    bsdf.reflectance * (1.0 - bsdf.gltf.metallic) * INV_PI * shares
 }
 
 /// Probability of sampling the specular part: its share of what is reflected towards wo.
 pub fn specular_probability(tables: &Tables, bsdf: &Bsdf, wo: DVec3) -> f64 {
     let E = albedo_ggx(tables, wo.z, bsdf.roughness, is_smooth(bsdf));
-    let specular = luminance(bsdf.eta * E.x + E.y);
-    let diffuse = luminance(bsdf.reflectance) * diffuse_share(tables, bsdf, wo.z);
-    if luminance(bsdf.reflectance) <= 0.0 {
+    let F0 = bsdf.gltf.F0.lerp(bsdf.reflectance, bsdf.gltf.metallic);
+    let F90 = bsdf.gltf.F90 + (1.0 - bsdf.gltf.F90) * bsdf.gltf.metallic;
+    let specular = luminance(F0 * E.x + F90 * E.y);
+    let diffuse = luminance(
+        bsdf.reflectance * (1.0 - bsdf.gltf.metallic) * diffuse_share(tables, bsdf, wo.z),
+    );
+    if diffuse <= 0.0 {
         return 1.0;
     }
     (specular / (specular + diffuse)).clamp(LOBE_PROBABILITY_MIN, 1.0 - LOBE_PROBABILITY_MIN)
@@ -60,7 +72,7 @@ pub fn metallic_roughness_eval(tables: &Tables, bsdf: &Bsdf, wo: DVec3, wi: DVec
     if !is_smooth(bsdf) {
         let wm = half_vector(wo, wi);
         let shape = torrance_sparrow_shape(bsdf, wo, wi, wm.truncate(), wm.w);
-        f += fresnel_F(bsdf, wm.w) * shape.x;
+        f += F_gltf(bsdf, wm.w) * shape.x;
         pdf += p * shape.y;
     }
     BsdfEval { f, pdf }
@@ -77,7 +89,7 @@ pub fn metallic_roughness_sample(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVe
         if is_smooth(bsdf) {
             return BsdfSample {
                 wi: DVec3::new(-wo.x, -wo.y, wo.z),
-                f: fresnel_F(bsdf, wo.z) / wo.z,
+                f: F_gltf(bsdf, wo.z) / wo.z,
                 pdf: p,
                 delta: 1,
             };
