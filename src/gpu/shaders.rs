@@ -25,6 +25,7 @@ pub const MODULES: &[Module] = modules![
     "bsdf/masking",
     "bsdf/metallic_roughness",
     "bsdf/oren_nayar",
+    "bsdf/sheen",
     "bsdf/specular",
     "bsdf/torrance_sparrow",
     "bsdf/visible_normal",

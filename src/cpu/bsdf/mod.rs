@@ -17,6 +17,7 @@ pub mod lobe;
 pub mod masking;
 pub mod metallic_roughness;
 pub mod oren_nayar;
+pub mod sheen;
 pub mod specular;
 pub mod torrance_sparrow;
 pub mod visible_normal;
