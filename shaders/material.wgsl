@@ -20,8 +20,9 @@ fn base_color_at(material: Material, surface: Surface) -> vec4<f32> {
     return base_color;
 }
 
-// The reflection model in the surface's shading frame.
-fn bsdf_at(material: Material, surface: Surface) -> Bsdf {
+// The reflection model in the surface's shading frame. `eta`: index of refraction beyond the surface over
+// the index on wo's side, for the dielectrics among the models.
+fn bsdf_at(material: Material, surface: Surface, eta: f32) -> Bsdf {
     let base_color = base_color_at(material, surface).rgb;
     var roughness = material.roughness;
     var metallic = material.metallic;
@@ -30,7 +31,7 @@ fn bsdf_at(material: Material, surface: Surface) -> Bsdf {
         roughness *= metallic_roughness.g;
         metallic *= metallic_roughness.b;
     }
-    var bsdf = bsdf_of(material, base_color, metallic, roughness, surface.front != 0u);
+    var bsdf = bsdf_of(material, base_color, metallic, roughness, eta);
     // Nothing new to the reflection functions, but constants to the compiler.
     bsdf.model = select(COMMON_MODEL, bsdf.model, COMMON_MODEL == NONE);
     bsdf.fresnel = select(COMMON_FRESNEL, bsdf.fresnel, COMMON_FRESNEL == NONE);
@@ -40,7 +41,7 @@ fn bsdf_at(material: Material, surface: Surface) -> Bsdf {
 }
 
 // The same for given values of what textures vary.
-fn bsdf_of(material: Material, base_color: vec3<f32>, metallic: f32, roughness: f32, front: bool) -> Bsdf {
+fn bsdf_of(material: Material, base_color: vec3<f32>, metallic: f32, roughness: f32, eta: f32) -> Bsdf {
     var bsdf: Bsdf;
     bsdf.reflectance = base_color;
     bsdf.model = material.model;
@@ -53,19 +54,18 @@ fn bsdf_of(material: Material, base_color: vec3<f32>, metallic: f32, roughness: 
     bsdf.masking = material.masking;
     if material.model == BSDF_GLTF {
         // glTF 2.0 appendix B.3: a dielectric and a metal, mixed.
-        bsdf.eta = vec3<f32>(material.ior);
+        bsdf.eta = vec3<f32>(eta);
         bsdf.alpha = vec2<f32>(sqr(roughness));
         bsdf.roughness = roughness;
-        bsdf.gltf.F0 = vec3<f32>(sqr((material.ior - 1.0) / (material.ior + 1.0)));
+        bsdf.gltf.F0 = vec3<f32>(sqr((eta - 1.0) / (eta + 1.0)));
         bsdf.gltf.F90 = 1.0;
         bsdf.gltf.metallic = metallic;
         bsdf.gltf.rotation = vec2<f32>(1.0, 0.0);
         bsdf.gltf.coat_normal = vec3<f32>(0.0, 0.0, 1.0);
     } else if material.model == BSDF_UNLIT {
         bsdf.reflectance = vec3<f32>(0.0);
-    } else if !front && (material.flags & MATERIAL_TRANSMISSIVE) != 0u {
-        // The far side is outside.
-        bsdf.eta = 1.0 / material.eta;
+    } else if (material.flags & MATERIAL_TRANSMISSIVE) != 0u {
+        bsdf.eta = vec3<f32>(eta);
     }
     return bsdf;
 }

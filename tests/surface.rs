@@ -62,10 +62,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     answers[id.x].instance = hit.instance;
     if hit.instance == NONE { return; }
     let s = surface_at(ray, hit);
+    let ior = materials[s.material].ior;
+    let eta = select(1.0 / ior, ior, s.front != 0u);
     answers[id.x] = Answer(
         s.p, s.p_error, s.ng, s.front, s.basis.t, hit.instance, s.basis.b, s.triangle, s.basis.n, s.material,
         s.color, offset_origin(s.p, s.ng, s.ng, s.p_error), hit.t, offset_origin(s.p, s.ng, -s.ng, s.p_error), hit.u,
-        Le_surface(materials[s.material], s), hit.v, bsdf_at(materials[s.material], s));
+        Le_surface(materials[s.material], s), hit.v, bsdf_at(materials[s.material], s, eta));
 }";
 
 fn surfaces_gpu(packed: &Packed, rays: &[RayQuery]) -> Vec<Answer> {
@@ -100,7 +102,9 @@ fn surface_cpu(packed: &Packed, query: &RayQuery, hit: cpu::ray::Hit) -> Answer 
     let material = &packed.materials[s.material as usize];
     let vector = |v: DVec3| v.as_vec3().to_array();
     let offset = |w| vector(cpu::ray::offset_origin(s.p, s.ng, w, s.p_error));
-    let bsdf = cpu::material::bsdf_at(packed, material, &s);
+    let ior = f64::from(material.ior);
+    let eta = if s.front { ior } else { ior.recip() };
+    let bsdf = cpu::material::bsdf_at(packed, material, &s, eta);
     answer.p = vector(s.p);
     answer.p_error = s.p_error as f32;
     answer.ng = vector(s.ng);

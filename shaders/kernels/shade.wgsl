@@ -3,7 +3,7 @@
 // queue it unless it ends here. Sentence by sentence the loop of src/cpu/path.rs.
 
 import package::bindings::{frame, materials};
-import package::shared::{NONE, BSDF_UNLIT, BACKGROUND_COLOR, BACKGROUND_TRANSPARENT};
+import package::shared::{NONE, BSDF_UNLIT, BACKGROUND_COLOR, BACKGROUND_TRANSPARENT, MATERIAL_TRANSMISSIVE};
 import package::kernels::state::{Path, load_path, load_hit, store_path, queue_path, queue_shadow_ray, add_radiance, queued_path, paths, plane, PLANE_RADIANCE, RAY_INFINITY, WORKGROUP};
 import package::math::{to_local, to_world};
 import package::ray::{Ray, Hit, offset_origin};
@@ -46,7 +46,12 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
 
-    let bsdf = bsdf_at(material, surface);
+    var eta = material.ior;
+    if surface.front == 0u && (material.flags & MATERIAL_TRANSMISSIVE) != 0u {
+        // The far side is outside.
+        eta = 1.0 / material.ior;
+    }
+    let bsdf = bsdf_at(material, surface, eta);
     let wo = to_local(surface.basis, -path.ray.direction);
     if frame.light_weight_total > 0.0 && !bsdf_is_delta(bsdf) {
         rng.dimension = bounce_dimension(path.bounce, DIMENSION_LIGHT);

@@ -22,13 +22,14 @@ pub fn base_color_at(packed: &Packed, material: &Material, surface: &Surface) ->
         * surface.color
 }
 
-/// The reflection model in the surface's shading frame.
-pub fn bsdf_at(packed: &Packed, material: &Material, surface: &Surface) -> Bsdf {
+/// The reflection model in the surface's shading frame. `eta`: index of refraction beyond the surface over
+/// the index on wo's side, for the dielectrics among the models.
+pub fn bsdf_at(packed: &Packed, material: &Material, surface: &Surface, eta: f64) -> Bsdf {
     let base_color = base_color_at(packed, material, surface).truncate();
     let metallic_roughness = texture_at(packed, &material.metallic_roughness_texture, surface);
     let roughness = f64::from(material.roughness) * metallic_roughness.y;
     let metallic = f64::from(material.metallic) * metallic_roughness.z;
-    bsdf_of(material, base_color, metallic, roughness, surface.front)
+    bsdf_of(material, base_color, metallic, roughness, eta)
 }
 
 /// The same for given values of what textures vary.
@@ -37,13 +38,12 @@ pub fn bsdf_of(
     base_color: DVec3,
     metallic: f64,
     roughness: f64,
-    front: bool,
+    eta: f64,
 ) -> Bsdf {
-    let eta = Vec3::from_array(material.eta).as_dvec3();
     let mut bsdf = Bsdf {
         reflectance: base_color,
         model: material.model,
-        eta,
+        eta: Vec3::from_array(material.eta).as_dvec3(),
         fresnel: material.fresnel,
         k: Vec3::from_array(material.k).as_dvec3(),
         distribution: material.distribution,
@@ -54,20 +54,18 @@ pub fn bsdf_of(
     };
     if material.model == BSDF_GLTF {
         // glTF 2.0 appendix B.3: a dielectric and a metal, mixed.
-        let ior = f64::from(material.ior);
-        bsdf.eta = DVec3::splat(ior);
+        bsdf.eta = DVec3::splat(eta);
         bsdf.alpha = DVec2::splat(sqr(roughness));
         bsdf.roughness = roughness;
-        bsdf.gltf.F0 = DVec3::splat(sqr((ior - 1.0) / (ior + 1.0)));
+        bsdf.gltf.F0 = DVec3::splat(sqr((eta - 1.0) / (eta + 1.0)));
         bsdf.gltf.F90 = 1.0;
         bsdf.gltf.metallic = metallic;
         bsdf.gltf.rotation = DVec2::X;
         bsdf.gltf.coat_normal = DVec3::Z;
     } else if material.model == BSDF_UNLIT {
         bsdf.reflectance = DVec3::ZERO;
-    } else if !front && material.flags & MATERIAL_TRANSMISSIVE != 0 {
-        // The far side is outside.
-        bsdf.eta = eta.recip();
+    } else if material.flags & MATERIAL_TRANSMISSIVE != 0 {
+        bsdf.eta = DVec3::splat(eta);
     }
     bsdf
 }

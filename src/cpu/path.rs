@@ -16,7 +16,9 @@ use super::surface::surface_at;
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
 use crate::render::{Progress, RayCount, Settings};
-use crate::shared::{BACKGROUND_COLOR, BACKGROUND_TRANSPARENT, BSDF_UNLIT, NONE};
+use crate::shared::{
+    BACKGROUND_COLOR, BACKGROUND_TRANSPARENT, BSDF_UNLIT, MATERIAL_TRANSMISSIVE, NONE,
+};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -69,7 +71,12 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
             break;
         }
 
-        let bsdf = bsdf_at(packed, material, &surface);
+        let mut eta = f64::from(material.ior);
+        if !surface.front && material.flags & MATERIAL_TRANSMISSIVE != 0 {
+            // The far side is outside.
+            eta = eta.recip();
+        }
+        let bsdf = bsdf_at(packed, material, &surface, eta);
         let wo = to_local(surface.basis, -ray.direction);
         if frame.light_weight_total > 0.0 && !bsdf_is_delta(&bsdf) {
             rng.dimension = bounce_dimension(bounce, DIMENSION_LIGHT);

@@ -180,6 +180,10 @@ pub fn bsdf_of(material: &Material) -> Bsdf {
     let base_color = Vec4::from_array(material.base_color).truncate().as_dvec3();
     let (metallic, roughness) = (f64::from(material.metallic), f64::from(material.roughness));
     Bsdf::from(&cpu::material::bsdf_of(
-        material, base_color, metallic, roughness, true,
+        material,
+        base_color,
+        metallic,
+        roughness,
+        f64::from(material.ior),
     ))
 }
