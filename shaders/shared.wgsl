@@ -84,6 +84,14 @@ const BACKGROUND_TRANSPARENT: u32 = 2u;
 
 // Sides of the table of directional albedo, `Tables.albedo` (cosine x roughness).
 const ALBEDO_TABLE_SIZE: u32 = 32u;
+// The axes of `Tables.albedo_dielectric`, and the largest index ratio on them; the smallest is its inverse.
+const ALBEDO_DIELECTRIC_COSINES: u32 = 24u;
+const ALBEDO_DIELECTRIC_ROUGHNESSES: u32 = 18u;
+const ALBEDO_DIELECTRIC_ETAS: u32 = 21u;
+const ETA_MAX: f32 = 3.0;
+// Sides of `Tables.albedo_sheen` (cosine x roughness), and the albedo that its integers are fractions of.
+const ALBEDO_SHEEN_SIZE: u32 = 32u;
+const ALBEDO_SHEEN_MAX: f32 = 8.0;
 
 // A pinhole or a parallel camera in world space; `right`, `up`, `forward` are orthonormal.
 struct Camera {
@@ -130,6 +138,14 @@ struct Tables {
     albedo: array<vec4<f32>, 512>,
     // Hemispherical average of the same, 2 * integral of E * cos; entry [roughness].
     albedo_average: array<vec4<f32>, 16>,
+    // Energy that a rough dielectric boundary reflects (low 16 bits) and reflects or transmits (high), as
+    // fractions of 65535, single scattering; entry [roughness][cosine][eta], four entries in a vec4.
+    albedo_dielectric: array<vec4<u32>, 2268>,
+    // Hemispherical averages of the same; entry [roughness][eta], two entries in a vec4.
+    albedo_average_dielectric: array<vec4<f32>, 189>,
+    // What the white layer of sheen reflects, 16-bit fractions of ALBEDO_SHEEN_MAX; entry
+    // [roughness][cosine], eight entries in a vec4. Zero, as the two above, where no material asks.
+    albedo_sheen: array<vec4<u32>, 128>,
 }
 
 // One triangle of a mesh, in the mesh's object space and in the order of its hierarchy's leaves.

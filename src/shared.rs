@@ -61,6 +61,12 @@ pub const BACKGROUND_ENVIRONMENT: u32 = 0;
 pub const BACKGROUND_COLOR: u32 = 1;
 pub const BACKGROUND_TRANSPARENT: u32 = 2;
 pub const ALBEDO_TABLE_SIZE: u32 = 32;
+pub const ALBEDO_DIELECTRIC_COSINES: u32 = 24;
+pub const ALBEDO_DIELECTRIC_ROUGHNESSES: u32 = 18;
+pub const ALBEDO_DIELECTRIC_ETAS: u32 = 21;
+pub const ETA_MAX: f64 = 3.0;
+pub const ALBEDO_SHEEN_SIZE: u32 = 32;
+pub const ALBEDO_SHEEN_MAX: f64 = 8.0;
 
 /// A pinhole or a parallel camera in world space; `right`, `up`, `forward` are orthonormal.
 #[repr(C)]
@@ -110,6 +116,9 @@ pub struct Frame {
 pub struct Tables {
     pub albedo: [[f32; 4]; 512],
     pub albedo_average: [[f32; 4]; 16],
+    pub albedo_dielectric: [[u32; 4]; 2268],
+    pub albedo_average_dielectric: [[f32; 4]; 189],
+    pub albedo_sheen: [[u32; 4]; 128],
 }
 
 /// One triangle of a mesh, in the mesh's object space and in the order of its hierarchy's leaves.

@@ -1,5 +1,6 @@
-//! The tables that reflection models look up: directional albedo of the single-scattering GGX lobe,
-//! E = F0 x + F90 y, as pairs (x, y).
+//! The tables that reflection models look up, made at start-up in f64 by fixed rules: the same
+//! everywhere but for the last bit. Rough dielectrics' are in `dielectric`, the sheen layer's in `sheen`;
+//! here is the directional albedo of the single-scattering GGX lobe, E = F0 x + F90 y, as pairs (x, y).
 //!
 //! The lobe is isotropic GGX, alpha = roughness^2, Smith's height-correlated masking, Schlick's
 //! Fresnel. Axes, N = `ALBEDO_TABLE_SIZE`, both with their ends on the grid:
@@ -14,7 +15,10 @@
 //! The entries stand a margin above the truth, so that what is interpolated between them is never below
 //! it, for any F0, from the roughest lobe down to `ALPHA_SMOOTH`: what a model makes of 1 - E or 1 / E
 //! then never makes energy. E is at most 0.012 above; it is capped at 1, which leaves up to 0.001
-//! too little at cosines under 0.02. Made in f64 by a fixed rule, the same everywhere but for the last bit of f32.
+//! too little at cosines under 0.02.
+
+pub mod dielectric;
+pub mod sheen;
 
 use crate::shared::{ALBEDO_TABLE_SIZE, Tables};
 use bytemuck::Zeroable;
@@ -44,17 +48,45 @@ const MARGIN_WHITE: f64 = 0.0095;
 /// in the warped cosine; models never ask for less than the square root of `ALPHA_SMOOTH`.
 const ROUGHNESS_FLOOR: f64 = 0.01;
 
-/// Makes all tables in some tens of milliseconds on two cores.
+/// Which of the tables that take long are asked for; the others stay zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// `albedo_dielectric` and its averages.
+    pub dielectric: bool,
+    /// `albedo_sheen`.
+    pub sheen: bool,
+}
+
+/// Makes all tables.
 pub fn tables() -> Box<Tables> {
+    tables_for(Needs {
+        dielectric: true,
+        sheen: true,
+    })
+}
+
+/// Makes the tables that are needed: some tens of milliseconds each on two cores.
+pub fn tables_for(needs: Needs) -> Box<Tables> {
     let mut tables = Box::new(Tables::zeroed());
+    fill_ggx(&mut tables);
+    if needs.dielectric {
+        dielectric::fill(&mut tables);
+    }
+    if needs.sheen {
+        sheen::fill(&mut tables);
+    }
+    tables
+}
+
+fn fill_ggx(tables: &mut Tables) {
     let rule = gauss_legendre(ELEVATIONS);
     let averaging = gauss_legendre(AVERAGE_NODES);
     let rows: Vec<_> = (0..N)
         .into_par_iter()
         .map(|j| {
-            let roughness = (j as f64 / (N - 1) as f64).max(ROUGHNESS_FLOOR);
+            let roughness = grid(j, N).max(ROUGHNESS_FLOOR);
             let row: [[f64; 2]; N] = std::array::from_fn(|i| {
-                let cos = cosine_of(i as f64 / (N - 1) as f64, roughness);
+                let cos = cosine_of(grid(i, N), roughness);
                 raise(albedo_ggx(cos, roughness, &rule))
             });
             (row, average_ggx(roughness, &rule, &averaging))
@@ -66,7 +98,17 @@ pub fn tables() -> Box<Tables> {
         }
         write_pair(&mut tables.albedo_average, j, *average);
     }
-    tables
+}
+
+/// Node number `index` of `count` on an axis from 0 to 1.
+fn grid(index: usize, count: usize) -> f64 {
+    index as f64 / (count - 1) as f64
+}
+
+/// Two fractions of 1 as 16-bit integers, the first in the low half.
+fn unorm16x2(pair: [f64; 2]) -> u32 {
+    let [low, high] = pair.map(|value| (value.clamp(0.0, 1.0) * 65535.0).round() as u32);
+    low | high << 16
 }
 
 fn write_pair(table: &mut [[f32; 4]], index: usize, pair: [f64; 2]) {

@@ -96,7 +96,10 @@ fn structures_agree_field_by_field() {
             "Tables",
             host!(shared::Tables {
                 albedo,
-                albedo_average
+                albedo_average,
+                albedo_dielectric,
+                albedo_average_dielectric,
+                albedo_sheen
             }),
         ),
         (

@@ -15,7 +15,7 @@ use crate::shared::{
     BACKGROUND_COLOR, BACKGROUND_ENVIRONMENT, BACKGROUND_TRANSPARENT, Frame, Instance, Light,
     MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_EMISSIVE, Material, NONE, Tables, Triangle,
 };
-use crate::tables::tables;
+use crate::tables::{Needs, tables_for};
 use bytemuck::Zeroable;
 use environment::PackedEnvironment;
 use geometry::Geometry;
@@ -167,7 +167,7 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
     }
     Ok(Packed {
         frame,
-        tables: tables(),
+        tables: tables_for(needs(&materials)),
         nodes: geometry.nodes,
         triangles: geometry.triangles,
         instances: geometry.instances,
@@ -178,6 +178,16 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
         environment: texels_of_environment,
         environment_cells: cells_of_environment,
     })
+}
+
+/// The tables that materials look up.
+fn needs(materials: &[Material]) -> Needs {
+    Needs {
+        dielectric: materials.iter().any(|material| material.transmission > 0.0),
+        sheen: materials
+            .iter()
+            .any(|material| material.sheen_color.iter().any(|&part| part > 0.0)),
+    }
 }
 
 fn check_depth(
