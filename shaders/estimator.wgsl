@@ -33,7 +33,8 @@ fn power_heuristic(pdf: f32, other: f32) -> f32 {
 // Probability of going on with throughput `beta`. `eta_scale` takes out the factor eta^2 that
 // radiance carries inside a medium and will give back on leaving it.
 fn roulette_probability(beta: vec3<f32>, eta_scale: f32) -> f32 {
-    return min(max(beta.x, max(beta.y, beta.z)) * eta_scale, ROULETTE_MAX);
+    let size = abs(beta);
+    return min(max(size.x, max(size.y, size.z)) * eta_scale, ROULETTE_MAX);
 }
 
 fn bounce_dimension(bounce: u32, draw: u32) -> u32 {

@@ -5,6 +5,7 @@
 // pays for each model, texture and mask at every surface, whether the scene has it or not.
 
 override TEST_ALPHA: bool = true;                // some material is masked or blended
+override MEDIA: bool = true;                     // some material is the boundary of a medium
 override BASE_COLOR_TEXTURES: bool = true;       // some material has one; and so on
 override METALLIC_ROUGHNESS_TEXTURES: bool = true;
 override NORMAL_TEXTURES: bool = true;

@@ -13,6 +13,8 @@ import package::material::{bsdf_at, Le_surface};
 import package::light::light::{LightSample, light_sample, light_pdf_triangle, light_pdf_environment};
 import package::light::environment::{Le_environment};
 import package::bsdf::bsdf::{bsdf_eval, bsdf_sample, bsdf_is_delta};
+import package::medium::{interface_at, media_near, media_far, transmittance};
+import package::variant::{MEDIA};
 import package::estimator::{power_heuristic, roulette_probability, bounce_dimension, sides_agree, DIMENSION_LIGHT, DIMENSION_BSDF, DIMENSION_ROULETTE, ROULETTE_START, SHADOW_SHORTENING};
 
 @compute @workgroup_size(WORKGROUP)
@@ -31,6 +33,11 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let surface = surface_at(path.ray, hit);
     let material = materials[surface.material];
+    let front = surface.front != 0u;
+    if MEDIA {
+        path.media = media_near(path.media, surface.material, front);
+        path.beta *= transmittance(path.media, hit.t - path.ray.t_min);
+    }
 
     let Le = Le_surface(material, surface);
     if any(Le > vec3(0.0)) {
@@ -47,10 +54,24 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 
     var eta = material.ior;
-    if surface.front == 0u && (material.flags & MATERIAL_TRANSMISSIVE) != 0u {
-        // The far side is outside.
-        eta = 1.0 / material.ior;
+    var far = path.media;
+    if MEDIA {
+        let interface_here = interface_at(path.media, surface.material, front);
+        eta = interface_here.eta;
+        far = media_far(path.media, surface.material, front);
+        if interface_here.hidden != 0u {
+            // As a delta: no light was chosen that lies beyond.
+            path.media = far;
+            path.delta = true;
+            path.ray.origin = offset_origin(surface.p, surface.ng, path.ray.direction, surface.p_error);
+            path.ray.t_min = 0.0;
+            path.bounce += 1u;
+            store_path(slot, path);
+            queue_path(slot);
+            return;
+        }
     }
+
     let bsdf = bsdf_at(material, surface, eta);
     let wo = to_local(surface.basis, -path.ray.direction);
     if frame.light_weight_total > 0.0 && !bsdf_is_delta(bsdf) {
@@ -61,8 +82,11 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         if light.pdf > 0.0 && sides_agree(wi, dot(light.wi, surface.ng)) {
             let eval = bsdf_eval(bsdf, wo, wi);
             let weight = select(power_heuristic(light.pdf, eval.pdf), 1.0, light.delta != 0u);
-            let L = path.beta * eval.f * abs(wi.z) * light.Le * (weight / light.pdf);
-            if any(L > vec3(0.0)) {
+            var L = path.beta * eval.f * abs(wi.z) * light.Le * (weight / light.pdf);
+            if MEDIA {
+                L *= transmittance(select(path.media, far, wi.z < 0.0), light.distance);
+            }
+            if any(L != vec3(0.0)) {
                 let origin = offset_origin(surface.p, surface.ng, light.wi, surface.p_error);
                 let t_max = light.distance * (1.0 - SHADOW_SHORTENING);
                 queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max), L);
@@ -78,8 +102,9 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     path.beta *= sample.f * (abs(sample.wi.z) / sample.pdf);
-    if sample.wi.z < 0.0 {
-        path.eta_scale *= bsdf.eta.x * bsdf.eta.x;
+    if MEDIA && sample.wi.z < 0.0 && (material.flags & MATERIAL_TRANSMISSIVE) != 0u {
+        path.media = far;
+        path.eta_scale *= eta * eta;
     }
     if path.bounce >= ROULETTE_START {
         rng.dimension = bounce_dimension(path.bounce, DIMENSION_ROULETTE);
@@ -89,7 +114,7 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         path.beta /= survival;
     }
-    if !any(path.beta > vec3(0.0)) {
+    if all(path.beta == vec3(0.0)) {
         return;
     }
     path.pdf_bsdf = sample.pdf;

@@ -8,6 +8,8 @@ import package::bindings::{frame};
 import package::ray::{Ray, Hit};
 import package::shared::{NONE};
 import package::rng::{Rng};
+import package::medium::{MEDIA_NONE};
+import package::variant::{MEDIA};
 
 const PLANE_RAY_ORIGIN: u32 = 0u;     // origin, bounce
 const PLANE_RAY_DIRECTION: u32 = 1u;  // direction, pdf of the last BSDF sample (negative: delta)
@@ -19,7 +21,8 @@ const PLANE_SHADOW_ORIGIN: u32 = 6u;  // origin, t_max
 const PLANE_SHADOW_DIRECTION: u32 = 7u; // direction, bounce
 const PLANE_SHADOW_LIGHT: u32 = 8u;   // what arrives if nothing is in the way
 const PLANE_QUEUES: u32 = 9u;         // x, y: paths to go on with, in turn; z: shadow rays
-const PLANES: u32 = 10u;
+const PLANE_MEDIA: u32 = 10u;         // media that the path is in
+const PLANES: u32 = 11u;
 
 const COUNTER_PATHS: u32 = 0u;        // and 1: length of queue x and of queue y
 const COUNTER_SHADOW: u32 = 2u;
@@ -41,6 +44,7 @@ struct Path {
     delta: bool,
     beta: vec3<f32>,
     eta_scale: f32,
+    media: vec3<u32>,
     rng: Rng,
 }
 
@@ -61,9 +65,13 @@ fn load_path(slot: u32) -> Path {
     let beta = bitcast<vec4<f32>>(paths[plane(PLANE_BETA, slot)]);
     let rng = paths[plane(PLANE_RNG, slot)];
     let pdf = bitcast<f32>(direction.w);
+    var media = MEDIA_NONE;
+    if MEDIA {
+        media = paths[plane(PLANE_MEDIA, slot)].xyz;
+    }
     return Path(
         Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(rng.w), bitcast<vec3<f32>>(direction.xyz), RAY_INFINITY),
-        origin.w, abs(pdf), pdf < 0.0, beta.xyz, beta.w, Rng(rng.y, rng.z, 0u),
+        origin.w, abs(pdf), pdf < 0.0, beta.xyz, beta.w, media, Rng(rng.y, rng.z, 0u),
     );
 }
 
@@ -75,6 +83,9 @@ fn store_path(slot: u32, path: Path) {
     paths[plane(PLANE_BETA, slot)] = bitcast<vec4<u32>>(vec4(path.beta, path.eta_scale));
     paths[plane(PLANE_RNG, slot)] =
         vec4(0u, path.rng.pixel_seed, path.rng.index, bitcast<u32>(path.ray.t_min));
+    if MEDIA {
+        paths[plane(PLANE_MEDIA, slot)] = vec4(path.media, 0u);
+    }
 }
 
 fn load_hit(slot: u32) -> Hit {

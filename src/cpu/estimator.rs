@@ -28,7 +28,7 @@ pub fn power_heuristic(pdf: f64, other: f64) -> f64 {
 /// Probability of going on with throughput `beta`; `eta_scale` takes out the factor eta^2 that
 /// radiance carries inside a medium.
 pub fn roulette_probability(beta: DVec3, eta_scale: f64) -> f64 {
-    (beta.max_element() * eta_scale).min(ROULETTE_MAX)
+    (beta.abs().max_element() * eta_scale).min(ROULETTE_MAX)
 }
 
 pub fn bounce_dimension(bounce: u32, draw: u32) -> u32 {

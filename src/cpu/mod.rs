@@ -19,6 +19,7 @@ pub mod intersect;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod medium;
 pub mod path;
 pub mod ray;
 pub mod rng;

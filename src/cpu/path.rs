@@ -9,6 +9,7 @@ use super::light::environment::Le_environment;
 use super::light::light::{light_pdf_environment, light_pdf_triangle, light_sample};
 use super::material::{Le_surface, bsdf_at};
 use super::math::{to_local, to_world};
+use super::medium::{MEDIA_NONE, interface_at, media_far, media_near, transmittance};
 use super::ray::{Ray, offset_origin};
 use super::rng::{Rng, next_1d, next_2d, rng_init};
 use super::sample::sample_blackman_harris;
@@ -31,6 +32,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
     let mut L = DVec3::ZERO;
     let mut beta = DVec3::ONE;
     let mut eta_scale = 1.0;
+    let mut media = MEDIA_NONE;
     // The camera's ray counts as a delta sample: no light could have been chosen for it.
     let (mut pdf_bsdf, mut delta) = (1.0, true);
     for bounce in 0.. {
@@ -49,6 +51,8 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
         }
         let surface = surface_at(packed, ray, hit);
         let material = &packed.materials[surface.material as usize];
+        media = media_near(packed, media, surface.material, surface.front);
+        beta *= transmittance(packed, media, hit.t - ray.t_min);
 
         let Le = Le_surface(packed, material, &surface);
         if Le.max_element() > 0.0 {
@@ -71,12 +75,20 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
             break;
         }
 
-        let mut eta = f64::from(material.ior);
-        if !surface.front && material.flags & MATERIAL_TRANSMISSIVE != 0 {
-            // The far side is outside.
-            eta = eta.recip();
+        let interface = interface_at(packed, media, surface.material, surface.front);
+        let far = media_far(packed, media, surface.material, surface.front);
+        if interface.hidden {
+            // As a delta: no light was chosen that lies beyond.
+            (media, delta) = (far, true);
+            ray = Ray {
+                origin: offset_origin(surface.p, surface.ng, ray.direction, surface.p_error),
+                t_min: 0.0,
+                ..ray
+            };
+            continue;
         }
-        let bsdf = bsdf_at(packed, material, &surface, eta);
+
+        let bsdf = bsdf_at(packed, material, &surface, interface.eta);
         let wo = to_local(surface.basis, -ray.direction);
         if frame.light_weight_total > 0.0 && !bsdf_is_delta(&bsdf) {
             rng.dimension = bounce_dimension(bounce, DIMENSION_LIGHT);
@@ -89,14 +101,20 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
                     true => 1.0,
                     false => power_heuristic(light.pdf, eval.pdf),
                 };
-                let Ld = beta * eval.f * wi.z.abs() * light.Le * (weight / light.pdf);
+                let along = if wi.z < 0.0 { far } else { media };
+                let Ld = beta
+                    * transmittance(packed, along, light.distance)
+                    * eval.f
+                    * wi.z.abs()
+                    * light.Le
+                    * (weight / light.pdf);
                 let shadow = Ray {
                     origin: offset_origin(surface.p, surface.ng, light.wi, surface.p_error),
                     t_min: 0.0,
                     direction: light.wi,
                     t_max: light.distance * (1.0 - SHADOW_SHORTENING),
                 };
-                if Ld.max_element() > 0.0 {
+                if Ld != DVec3::ZERO {
                     rays.shadow += 1;
                     if !trace_any(packed, shadow, ray_alpha_seed(*rng, 2 * bounce + 1)) {
                         L += Ld;
@@ -114,8 +132,9 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
             break;
         }
         beta *= sample.f * (sample.wi.z.abs() / sample.pdf);
-        if sample.wi.z < 0.0 {
-            eta_scale *= bsdf.eta.x * bsdf.eta.x;
+        if sample.wi.z < 0.0 && material.flags & MATERIAL_TRANSMISSIVE != 0 {
+            media = far;
+            eta_scale *= interface.eta * interface.eta;
         }
         if bounce >= ROULETTE_START {
             rng.dimension = bounce_dimension(bounce, DIMENSION_ROULETTE);
@@ -125,7 +144,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
             }
             beta /= survival;
         }
-        if beta.max_element() <= 0.0 {
+        if beta == DVec3::ZERO {
             break;
         }
         (pdf_bsdf, delta) = (sample.pdf, sample.delta != 0);

@@ -17,7 +17,7 @@ use thiserror::Error;
 const TILE: u32 = 128;
 /// Paths of the first dispatch, whose time says how many the next ones may have.
 const FIRST_PATHS: u32 = TILE * TILE;
-/// No more paths than this at a time: 80 MiB of state.
+/// No more paths than this at a time: 88 MiB of state.
 const MOST_PATHS: u32 = 1 << 19;
 /// A submission is to stay within these, well under the two seconds of common GPU watchdogs and
 /// long enough that waiting for the device costs nothing.

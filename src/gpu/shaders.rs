@@ -50,6 +50,7 @@ pub const MODULES: &[Module] = modules![
     "light/triangle",
     "material",
     "math",
+    "medium",
     "ray",
     "rng",
     "sample",

@@ -1,7 +1,7 @@
 //! What the kernels may take for granted of a scene: the values of `shaders/variant.wgsl`.
 
 use crate::pack::Packed;
-use crate::shared::{BSDF_UNLIT, Material, NONE, Texture};
+use crate::shared::{BSDF_UNLIT, MATERIAL_TRANSMISSIVE, Material, NONE, Texture};
 
 /// The overrides' values for a scene, by name. Materials that no triangle has do not count.
 pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
@@ -22,6 +22,7 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
                 .any(|material| texture(material).texels != NONE),
         )
     };
+    let any_flag = |bit: u32| flag(materials.iter().any(|material| material.flags & bit != 0));
     // An unlit surface ends its path before any reflection model is asked.
     let common = |value: fn(&Material) -> u32| {
         let mut values = materials
@@ -37,6 +38,7 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
     };
     vec![
         ("TEST_ALPHA", flag(packed.frame.has_alpha != 0)),
+        ("MEDIA", any_flag(MATERIAL_TRANSMISSIVE)),
         ("BASE_COLOR_TEXTURES", any(|m| &m.base_color_texture)),
         (
             "METALLIC_ROUGHNESS_TEXTURES",

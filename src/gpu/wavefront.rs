@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 /// Bytes of one path's state: `PLANES` of 16 (shaders/kernels/state.wgsl).
-pub const PATH_BYTES: u64 = 160;
+pub const PATH_BYTES: u64 = 176;
 /// `COUNTERS` words, of which the last two that are used count rays.
 pub const COUNTER_BYTES: u64 = 32;
 const CLOSEST_RAYS: usize = 4;
