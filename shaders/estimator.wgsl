@@ -52,6 +52,16 @@ fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
 
+// Scales the radiance of a sample so that no channel exceeds `limit`; 0 is no limit.
+fn clamp_radiance(L: vec3<f32>, limit: f32) -> vec3<f32> {
+    let size = abs(L);
+    let largest = max(size.x, max(size.y, size.z));
+    if limit <= 0.0 || largest <= limit {
+        return L;
+    }
+    return L * (limit / largest);
+}
+
 // Whether a direction is on the same side of the shading surface (`wi`, local frame) and of the
 // geometric one: if not, light would leak through, and the direction carries nothing.
 fn sides_agree(wi: vec3<f32>, wi_dot_ng: f32) -> bool {

@@ -143,7 +143,8 @@ impl Film {
             .filter(|p| p.samples >= 2)
             .map(|p| {
                 let error: f64 = p.variance().iter().map(|v| v.sqrt()).sum();
-                let level = p.mean().iter().sum::<f64>() + 3.0 * floor;
+                // Colours of single wavelengths may lie outside of Rec. 709, and be negative.
+                let level = p.mean().iter().map(|mean| mean.abs()).sum::<f64>() + 3.0 * floor;
                 if error == 0.0 { 0.0 } else { error / level }
             })
             .collect();

@@ -42,6 +42,7 @@
 //!     film_size: [640, 480],
 //!     seed: 0,
 //!     max_depth: 12,
+//!     clamp: None,
 //!     background: pack::Background::Environment,
 //! };
 //! let packed = pack::pack(&loaded.scene, &view)?;

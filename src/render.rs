@@ -18,9 +18,11 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// Rays traced, for the record.
+/// What a renderer did, for the record.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct RayCount {
-    pub closest: u64,
-    pub shadow: u64,
+pub struct Counts {
+    pub closest_rays: u64,
+    pub shadow_rays: u64,
+    /// Samples that `View::clamp` has darkened.
+    pub clamped_samples: u64,
 }

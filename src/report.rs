@@ -47,6 +47,10 @@ pub struct Facts {
     pub samples: [u32; 2],
     pub seed: u32,
     pub max_depth: u32,
+    /// Limit of a sample's largest channel; `None`: samples are as they come.
+    pub clamp: Option<f64>,
+    /// Samples that the limit has darkened; `None` without one.
+    pub clamped_samples: Option<u64>,
     pub camera: String,
     pub background: String,
     pub exposure_ev: f64,

@@ -90,6 +90,9 @@ fn structures_agree_field_by_field() {
                 capacity,
                 ray_offset_floor,
                 has_alpha,
+                clamp,
+                reserved0,
+                reserved1,
             }),
         ),
         (

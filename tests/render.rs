@@ -159,7 +159,7 @@ fn progress_goes_from_the_first_batch_to_all() {
     .unwrap();
     assert!(seen.is_sorted());
     assert_eq!(seen.last(), Some(&(144 * 40 * 4)));
-    assert!(statistics.rays.closest >= 144 * 40 * 4);
+    assert!(statistics.counts.closest_rays >= 144 * 40 * 4);
 }
 
 #[test]

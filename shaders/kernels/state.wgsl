@@ -29,6 +29,7 @@ const COUNTER_SHADOW: u32 = 2u;
 const COUNTER_TURN: u32 = 3u;         // which of the two queues is read in this bounce
 const COUNTER_CLOSEST_RAYS: u32 = 4u; // traced since the last clearing
 const COUNTER_SHADOW_RAYS: u32 = 5u;
+const COUNTER_CLAMPED: u32 = 6u;      // samples that frame.clamp has darkened
 const COUNTERS: u32 = 8u;
 
 const WORKGROUP: u32 = 64u;

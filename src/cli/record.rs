@@ -7,7 +7,6 @@ use std::time::Duration;
 use super::render::{Job, Rendered};
 use super::value::Background;
 use crate::error::Error;
-use crate::film::Film;
 use crate::progress::human;
 use crate::report::{
     Achieved, Adapter, Extension, Facts, Input, Memory, Rays, Report, Times, limits_in_use,
@@ -35,6 +34,8 @@ pub fn facts(job: &Job, rendered: &Rendered) -> Result<Facts, Error> {
         samples: [job.settings.samples.start, job.settings.samples.end],
         seed: args.seed,
         max_depth: args.max_depth,
+        clamp: args.clamp,
+        clamped_samples: args.clamp.map(|_| rendered.counts.clamped_samples),
         camera: job.camera_name.clone(),
         background: match args.background {
             Background::Environment => "env".into(),
@@ -44,8 +45,8 @@ pub fn facts(job: &Job, rendered: &Rendered) -> Result<Facts, Error> {
         exposure_ev: args.exposure,
         tonemap: args.tonemap.name(),
         rays: Some(Rays {
-            closest: rendered.rays.closest,
-            shadow: rendered.rays.shadow,
+            closest: rendered.counts.closest_rays,
+            shadow: rendered.counts.shadow_rays,
         }),
         error: Achieved::of(&rendered.film),
         non_finite_samples: rendered.film.non_finite(),
@@ -92,7 +93,8 @@ pub fn report(job: &Job, facts: Facts, times_ms: Times) -> Report {
 }
 
 /// What was rendered, where to, on what, in how long, at what error.
-pub fn summary(job: &Job, film: &Film, elapsed: Duration) -> String {
+pub fn summary(job: &Job, rendered: &Rendered, elapsed: Duration) -> String {
+    let film = &rendered.film;
     let outputs: Vec<String> = job
         .args
         .output
@@ -110,8 +112,12 @@ pub fn summary(job: &Job, film: &Film, elapsed: Duration) -> String {
         0 => String::new(),
         bad => format!(", {bad} samples not finite"),
     };
+    let clamped = job.args.clamp.map_or_else(String::new, |limit| {
+        let samples = rendered.counts.clamped_samples;
+        format!(", {samples} samples clamped to {limit}")
+    });
     format!(
-        "{} -> {}: {}x{}, {samples} {} a pixel, on {}, in {}{error}{dropped}",
+        "{} -> {}: {}x{}, {samples} {} a pixel, on {}, in {}{error}{dropped}{clamped}",
         job.args.scene.display(),
         outputs.join(", "),
         film.width,

@@ -17,7 +17,7 @@ use crate::output::tonemap::Tonemap;
 use crate::output::{self, Channels, Format, Look, Place, Target, Window};
 use crate::pack::{self, Packed, View};
 use crate::progress::Progress;
-use crate::render::{RayCount, Settings};
+use crate::render::{Counts, Settings};
 use crate::report::{self, Facts, Times};
 use crate::{cpu, gpu};
 
@@ -41,6 +41,10 @@ pub struct RenderArgs {
     /// Most bounces of a path; 0 shows emission only.
     #[arg(long, default_value_t = 12, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1024))]
     pub max_depth: u32,
+    /// Limit the largest channel of each sample's radiance. Takes fireflies away and the light they
+    /// carry with them: the picture is darker than the scene.
+    #[arg(long, value_name = "VALUE", value_parser = value::positive, allow_negative_numbers = true)]
+    pub clamp: Option<f64>,
     /// Another seed takes other samples.
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub seed: u32,
@@ -116,7 +120,7 @@ pub struct Job<'a> {
 /// A film and how it came to be.
 pub struct Rendered {
     pub film: Film,
-    pub rays: RayCount,
+    pub counts: Counts,
 }
 
 /// Renders and writes; the order is that of the checks: nothing that can be known to fail is started.
@@ -165,7 +169,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let files: Vec<(&Place, &[u8])> = files.iter().map(|(p, b)| (*p, b.as_slice())).collect();
     output::file::write_all(&files)?;
     if !args.quiet {
-        super::say(&record::summary(&job, &rendered.film, started.elapsed()));
+        super::say(&record::summary(&job, &rendered, started.elapsed()));
     }
     Ok(())
 }
@@ -234,6 +238,7 @@ fn prepare<'a>(args: &'a RenderArgs, crop: [u32; 4], times: &mut Times) -> Resul
                 Background::Color(color) => pack::Background::Color(color),
                 Background::Transparent => pack::Background::Transparent,
             },
+            clamp: args.clamp.map(|limit| limit as f32),
         },
     )?;
     times.pack = report::milliseconds(start.elapsed());
@@ -325,18 +330,18 @@ fn render(job: &mut Job, times: &mut Times) -> Result<Rendered, Error> {
             times.render = report::milliseconds(statistics.render);
             Rendered {
                 film,
-                rays: statistics.rays,
+                counts: statistics.counts,
             }
         }
         None => {
             let start = Instant::now();
             let shared = Mutex::new(&mut progress);
-            let (film, rays) = cpu::path::render(&job.packed, &job.settings, &|p| {
+            let (film, counts) = cpu::path::render(&job.packed, &job.settings, &|p| {
                 let mut progress = shared.lock().unwrap_or_else(PoisonError::into_inner);
                 progress.update(p.done, p.total);
             });
             times.render = report::milliseconds(start.elapsed());
-            Rendered { film, rays }
+            Rendered { film, counts }
         }
     };
     progress.finish();

@@ -67,6 +67,17 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     })
 }
 
+/// Within float32's range too.
+pub fn positive(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|x| {
+        if (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&x) {
+            Ok(x)
+        } else {
+            Err("give a number greater than 0".into())
+        }
+    })
+}
+
 /// Bytes, with K, M, G or T for powers of 1024 (also as KB, KiB and so on).
 pub fn bytes(text: &str) -> Result<u64, String> {
     const FORM: &str = "give bytes as a whole number, with K, M, G or T for powers of 1024";

@@ -46,6 +46,15 @@ pub fn is_finite(x: f64) -> bool {
     x.is_finite()
 }
 
+/// Scales the radiance of a sample so that no channel exceeds `limit`; 0 is no limit.
+pub fn clamp_radiance(L: DVec3, limit: f64) -> DVec3 {
+    let largest = L.abs().max_element();
+    if limit <= 0.0 || largest <= limit {
+        return L;
+    }
+    L * (limit / largest)
+}
+
 /// Whether a direction is on the same side of the shading surface (`wi`, local frame) and of the
 /// geometric one: if not, light would leak through, and the direction carries nothing.
 pub fn sides_agree(wi: DVec3, wi_dot_ng: f64) -> bool {

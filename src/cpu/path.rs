@@ -16,7 +16,7 @@ use super::sample::sample_blackman_harris;
 use super::surface::surface_at;
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
-use crate::render::{Progress, RayCount, Settings};
+use crate::render::{Counts, Progress, Settings};
 use crate::shared::{
     BACKGROUND_COLOR, BACKGROUND_TRANSPARENT, BSDF_UNLIT, MATERIAL_TRANSMISSIVE, NONE,
 };
@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Radiance along a camera ray, and its alpha: one sample of the path integral (Kajiya 1986, "The
 /// rendering equation"), with next-event estimation weighted against BSDF sampling (Veach 1997).
-pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) -> (DVec3, f64) {
+pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) -> (DVec3, f64) {
     let frame = &packed.frame;
     let mut ray = camera_ray;
     let mut L = DVec3::ZERO;
@@ -36,7 +36,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
     // The camera's ray counts as a delta sample: no light could have been chosen for it.
     let (mut pdf_bsdf, mut delta) = (1.0, true);
     for bounce in 0.. {
-        rays.closest += 1;
+        counts.closest_rays += 1;
         let hit = trace_closest(packed, ray, ray_alpha_seed(*rng, 2 * bounce));
         if hit.instance == NONE {
             if bounce == 0 {
@@ -115,7 +115,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, rays: &mut RayCount) 
                     t_max: light.distance * (1.0 - SHADOW_SHORTENING),
                 };
                 if Ld != DVec3::ZERO {
-                    rays.shadow += 1;
+                    counts.shadow_rays += 1;
                     if !trace_any(packed, shadow, ray_alpha_seed(*rng, 2 * bounce + 1)) {
                         L += Ld;
                     }
@@ -175,7 +175,7 @@ pub fn pixel_sample(
     packed: &Packed,
     pixel: [u32; 2],
     sample: u32,
-    rays: &mut RayCount,
+    counts: &mut Counts,
 ) -> (DVec3, f64) {
     let frame = &packed.frame;
     let mut rng = rng_init(pixel.into(), sample, frame.seed);
@@ -185,7 +185,7 @@ pub fn pixel_sample(
         + 0.5
         + DVec2::new(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
     let ray = camera_ray(&frame.camera, frame.film_size.into(), position);
-    Li(packed, ray, &mut rng, rays)
+    Li(packed, ray, &mut rng, counts)
 }
 
 /// Renders the crop's pixels on the CPU, parallel over rows; `progress` is called from one of the
@@ -196,32 +196,37 @@ pub fn render(
     packed: &Packed,
     settings: &Settings,
     progress: &(dyn Fn(Progress) + Sync),
-) -> (Film, RayCount) {
+) -> (Film, Counts) {
     let [x0, y0, width, height] = settings.crop;
     let mut film = Film::new(width, height);
     let done = AtomicU64::new(0);
     let total = u64::from(height);
-    let rows: Vec<RayCount> = film
+    let rows: Vec<Counts> = film
         .pixels
         .par_chunks_mut(width as usize)
         .enumerate()
         .map(|(row, pixels): (usize, &mut [FilmPixel])| {
-            let mut rays = RayCount::default();
+            let mut counts = Counts::default();
             for (column, cell) in pixels.iter_mut().enumerate() {
                 let pixel = [x0 + column as u32, y0 + row as u32];
                 for sample in settings.samples.clone() {
-                    let (L, alpha) = pixel_sample(packed, pixel, sample, &mut rays);
-                    cell.add(L.to_array(), alpha);
+                    let (L, alpha) = pixel_sample(packed, pixel, sample, &mut counts);
+                    let clamped = clamp_radiance(L, f64::from(packed.frame.clamp));
+                    if L.is_finite() && clamped != L {
+                        counts.clamped_samples += 1;
+                    }
+                    cell.add(clamped.to_array(), alpha);
                 }
             }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(Progress { done, total });
-            rays
+            counts
         })
         .collect();
-    let rays = rows.iter().fold(RayCount::default(), |sum, row| RayCount {
-        closest: sum.closest + row.closest,
-        shadow: sum.shadow + row.shadow,
+    let counts = rows.iter().fold(Counts::default(), |sum, row| Counts {
+        closest_rays: sum.closest_rays + row.closest_rays,
+        shadow_rays: sum.shadow_rays + row.shadow_rays,
+        clamped_samples: sum.clamped_samples + row.clamped_samples,
     });
-    (film, rays)
+    (film, counts)
 }

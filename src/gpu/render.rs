@@ -7,7 +7,7 @@ use super::variant::constants;
 use super::wavefront::{FilmCell, Wavefront};
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
-use crate::render::{Progress, RayCount, Settings};
+use crate::render::{Counts, Progress, Settings};
 use crate::shared::Frame;
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -27,7 +27,7 @@ const LONG: Duration = Duration::from_millis(500);
 /// What a render leaves besides its film.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Statistics {
-    pub rays: RayCount,
+    pub counts: Counts,
     /// Sending the scene to the device.
     pub upload: Duration,
     /// Linking, validating and compiling; a software adapter compiles at the first dispatch instead.
@@ -204,8 +204,8 @@ impl Work<'_> {
             };
             let start = Instant::now();
             let first = sample == self.settings.samples.start;
-            let rays = self.wavefront.run(self.gpu, &frame, first)?;
-            self.count(rays, frame.capacity, start.elapsed());
+            let counts = self.wavefront.run(self.gpu, &frame, first)?;
+            self.count(counts, frame.capacity, start.elapsed());
             sample += sample_count;
             self.done += u64::from(frame.capacity);
             (self.progress)(Progress {
@@ -217,10 +217,11 @@ impl Work<'_> {
     }
 
     /// Takes down what a submission did, and sizes the next by it.
-    fn count(&mut self, rays: RayCount, paths: u32, elapsed: Duration) {
+    fn count(&mut self, counts: Counts, paths: u32, elapsed: Duration) {
         let statistics = &mut self.statistics;
-        statistics.rays.closest += rays.closest;
-        statistics.rays.shadow += rays.shadow;
+        statistics.counts.closest_rays += counts.closest_rays;
+        statistics.counts.shadow_rays += counts.shadow_rays;
+        statistics.counts.clamped_samples += counts.clamped_samples;
         // The first one holds a software adapter's compilation and says little.
         if statistics.submissions > 0 {
             statistics.longest_submission = statistics.longest_submission.max(elapsed);

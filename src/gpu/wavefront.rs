@@ -4,17 +4,18 @@ use super::device::{Fault, Gpu};
 use super::kernel::{Kernel, KernelError};
 use super::read::read;
 use super::upload::Scene;
-use crate::render::RayCount;
+use crate::render::Counts;
 use crate::shared::Frame;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 /// Bytes of one path's state: `PLANES` of 16 (shaders/kernels/state.wgsl).
 pub const PATH_BYTES: u64 = 176;
-/// `COUNTERS` words, of which the last two that are used count rays.
+/// `COUNTERS` words, of which some are for the record.
 pub const COUNTER_BYTES: u64 = 32;
 const CLOSEST_RAYS: usize = 4;
 const SHADOW_RAYS: usize = 5;
+const CLAMPED: usize = 6;
 /// Byte offset of the shadow stage's dispatch size; that of the path stages comes first.
 const SHADOW_ARGUMENTS: u64 = 16;
 pub const WORKGROUP: u32 = 64;
@@ -125,7 +126,7 @@ impl Wavefront {
     /// if `first`. Waits for the device.
     ///
     /// All bounces go in one submission: the sizes of later dispatches are computed on the device.
-    pub fn run(&self, gpu: &Gpu, frame: &Frame, first: bool) -> Result<RayCount, Fault> {
+    pub fn run(&self, gpu: &Gpu, frame: &Frame, first: bool) -> Result<Counts, Fault> {
         gpu.queue
             .write_buffer(&self.scene.frame, 0, bytemuck::bytes_of(frame));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -151,9 +152,10 @@ impl Wavefront {
         gpu.queue.submit([encoder.finish()]);
         let counters = read(gpu, &self.counters, COUNTER_BYTES)?;
         let counters: &[u32] = bytemuck::cast_slice(&counters);
-        Ok(RayCount {
-            closest: u64::from(counters[CLOSEST_RAYS]),
-            shadow: u64::from(counters[SHADOW_RAYS]),
+        Ok(Counts {
+            closest_rays: u64::from(counters[CLOSEST_RAYS]),
+            shadow_rays: u64::from(counters[SHADOW_RAYS]),
+            clamped_samples: u64::from(counters[CLAMPED]),
         })
     }
 

@@ -70,6 +70,8 @@ pub struct View {
     /// Surface interactions a path may have; 1 is direct light only.
     pub max_depth: u32,
     pub background: Background,
+    /// Limits the largest channel of each sample's radiance, which biases the picture.
+    pub clamp: Option<f32>,
 }
 
 /// What a camera ray that meets nothing brings home.
@@ -152,6 +154,7 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
         root: geometry.root,
         ray_offset_floor: RAY_OFFSET_FLOOR * diagonal(geometry.bounds),
         has_alpha: u32::from(has_alpha),
+        clamp: view.clamp.unwrap_or(0.0),
         ..Frame::zeroed()
     };
     let mut texels_of_environment = vec![[0.0; 4]];

@@ -36,6 +36,7 @@ fn films(name: &str, film_size: [u32; 2], samples: u32) -> Vec<(String, Film)> {
         seed: 0,
         max_depth: MAX_DEPTH,
         background: Background::Color([0.0; 3]),
+        clamp: None,
     };
     let packed = pack(&loaded.scene, &view).unwrap();
     let settings = Settings {

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::place::{Place, SMALL, channel};
+use crate::place::{Place, SMALL, channel, stderr};
 
 /// Renders twice and once in part; checks that the bytes are the same and the report is whole. All
 /// in one, since each run on lavapipe compiles the kernels anew.
@@ -65,6 +65,56 @@ fn check_report(bytes: &[u8], kind: &str) {
         assert!(name.contains("llvmpipe"), "{name}");
         assert!(report["limits"]["max_buffer_size"].as_u64().unwrap() > 0);
     }
+}
+
+/// Clamped samples are as bright as the limit at most, and said to be clamped.
+fn clamps(renderer: &str) {
+    let place = Place::new();
+    let run = |rest: &str| {
+        let line = format!("render scene.gltf {rest} --env-strength 40 {renderer} {SMALL}");
+        stderr(&place.succeed(&line))
+    };
+    let brightest = |file: &str| {
+        let bytes = place.read(file);
+        let channels = ["R", "G", "B"].map(|name| channel(&bytes, name));
+        channels.concat().into_iter().fold(0.0, f32::max)
+    };
+    let report = |file: &str| -> Value { serde_json::from_slice(&place.read(file)).unwrap() };
+
+    let said = run("-o free.exr --report free.json");
+    assert!(!said.contains("clamped"), "{said}");
+    assert!(brightest("free.exr") > 3.0);
+    assert!(report("free.json")["clamp"].is_null());
+    assert!(report("free.json")["clamped_samples"].is_null());
+
+    let said = run("-o clamped.exr --clamp 1.5 --report clamped.json");
+    let report = report("clamped.json");
+    let samples = report["clamped_samples"].as_u64().unwrap();
+    assert!(
+        said.contains(&format!("{samples} samples clamped to 1.5")),
+        "{said}"
+    );
+    assert!((brightest("clamped.exr") - 1.5).abs() < 1e-5);
+    assert_eq!(report["clamp"], 1.5);
+    assert!(samples > 0 && samples <= 16 * 12 * 4, "{samples}");
+    let header = place.read("clamped.exr");
+    let header = String::from_utf8_lossy(&header[..4096.min(header.len())]);
+    assert!(header.contains(r#""clamp":1.5"#));
+
+    let said = run("-o generous.exr --clamp 1000000");
+    assert!(said.contains("0 samples clamped"), "{said}");
+    let same = channel(&place.read("free.exr"), "G") == channel(&place.read("generous.exr"), "G");
+    assert!(same, "a limit above all samples changes nothing");
+}
+
+#[test]
+fn samples_are_clamped_on_request_on_the_cpu() {
+    clamps("--cpu");
+}
+
+#[test]
+fn samples_are_clamped_on_request_on_lavapipe() {
+    clamps("--adapter llvmpipe");
 }
 
 /// The part of JSON Schema (2020-12) that schema/report.schema.json uses.

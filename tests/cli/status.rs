@@ -24,6 +24,8 @@ fn wrong_usage_is_status_2_and_writes_nothing() {
         ("render scene.gltf -o a.png --samples 4..4", "A < B"),
         ("render scene.gltf -o a.png --exposure nan", "finite"),
         ("render scene.gltf -o a.png --env-strength -1", "negative"),
+        ("render scene.gltf -o a.png --clamp 0", "greater than 0"),
+        ("render scene.gltf -o a.png --clamp -1", "greater than 0"),
         ("render scene.gltf -o a.png --background #12345", "#rrggbb"),
         ("render scene.gltf -o a.png --background -1,0,0", "r,g,b"),
         ("render scene.gltf -o a.png --tonemap reinhard", "neutral"),

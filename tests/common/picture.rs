@@ -45,6 +45,7 @@ pub fn view(scene: &Scene, [width, height]: [u32; 2]) -> View {
         seed: 0,
         max_depth: 8,
         background: Background::Environment,
+        clamp: None,
     }
 }
 

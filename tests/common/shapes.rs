@@ -195,6 +195,7 @@ pub fn view() -> View {
         seed: 0,
         max_depth: 4,
         background: Background::Environment,
+        clamp: None,
     }
 }
 

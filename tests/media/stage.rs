@@ -77,6 +77,7 @@ impl Stage {
             seed: 0,
             max_depth: MAX_DEPTH,
             background: Background::Color([0.0; 3]),
+            clamp: None,
         };
         self.pack_view(&view)
     }
