@@ -12,8 +12,8 @@
 //!   each extension and on all that is not drawn.
 //! - [`pack`] makes the flat arrays of [`pack::Packed`] of it: hierarchies ([`bvh`]), triangles,
 //!   materials, lights, texels. This is the fork: both renderers read these same bytes, so that packing
-//!   is tested by comparing them. [`shared`] has the structures that Rust and WGSL both define, and
-//!   [`tables`] what reflection models look up.
+//!   is tested by comparing them. [`shared`] has the structures that Rust and WGSL both define,
+//!   [`tables`] what reflection models look up, and [`spectrum`] what colour a spectrum has.
 //! - [`gpu`] opens an adapter, links `shaders/`, and runs the path loop as a wavefront of kernels:
 //!   generate, trace closest, shade, trace shadow, accumulate.
 //! - [`cpu`] is the same in float64, file by file the twin of `shaders/`: the reference that tests hold
@@ -68,4 +68,5 @@ pub mod render;
 pub mod report;
 pub mod scene;
 pub mod shared;
+pub mod spectrum;
 pub mod tables;

@@ -25,5 +25,6 @@ pub mod ray;
 pub mod rng;
 pub mod sample;
 pub mod sobol;
+pub mod spectrum;
 pub mod surface;
 pub mod texture;

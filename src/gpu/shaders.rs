@@ -56,6 +56,7 @@ pub const MODULES: &[Module] = modules![
     "sample",
     "shared",
     "sobol",
+    "spectrum",
     "surface",
     "texture",
     "variant",
