@@ -93,6 +93,12 @@ const ETA_MAX: f32 = 3.0;
 const ALBEDO_SHEEN_SIZE: u32 = 32u;
 const ALBEDO_SHEEN_MAX: f32 = 8.0;
 
+// `Tables.interference`: entries, nanometres of path difference between them, and the wavelength
+// (nanometres) that its phases are counted from.
+const INTERFERENCE_TABLE_SIZE: u32 = 257u;
+const INTERFERENCE_STEP: f32 = 32.0;
+const INTERFERENCE_CARRIER: f32 = 520.0;
+
 // A pinhole or a parallel camera in world space; `right`, `up`, `forward` are orthonormal.
 struct Camera {
     origin: vec3<f32>,
@@ -149,6 +155,10 @@ struct Tables {
     // What the white layer of sheen reflects, 16-bit fractions of ALBEDO_SHEEN_MAX; entry
     // [roughness][cosine], eight entries in a vec4. Zero, as the two above, where no material asks.
     albedo_sheen: array<vec4<u32>, 128>,
+    // The observer's view of interference: the integral of color_matching(lambda) e^(2 pi i D (1 / lambda
+    // - 1 / carrier)) over the wavelengths, pairs (real, imaginary) of red, green, blue; entry [path
+    // difference D], its pairs two in a vec4.
+    interference: array<vec4<f32>, 386>,
 }
 
 // One triangle of a mesh, in the mesh's object space and in the order of its hierarchy's leaves.

@@ -67,6 +67,9 @@ pub const ALBEDO_DIELECTRIC_ETAS: u32 = 21;
 pub const ETA_MAX: f64 = 3.0;
 pub const ALBEDO_SHEEN_SIZE: u32 = 32;
 pub const ALBEDO_SHEEN_MAX: f64 = 8.0;
+pub const INTERFERENCE_TABLE_SIZE: u32 = 257;
+pub const INTERFERENCE_STEP: f64 = 32.0;
+pub const INTERFERENCE_CARRIER: f64 = 520.0;
 
 /// A pinhole or a parallel camera in world space; `right`, `up`, `forward` are orthonormal.
 #[repr(C)]
@@ -122,6 +125,7 @@ pub struct Tables {
     pub albedo_dielectric: [[u32; 4]; 2268],
     pub albedo_average_dielectric: [[f32; 4]; 189],
     pub albedo_sheen: [[u32; 4]; 128],
+    pub interference: [[f32; 4]; 386],
 }
 
 /// One triangle of a mesh, in the mesh's object space and in the order of its hierarchy's leaves.

@@ -18,6 +18,7 @@
 //! too little at cosines under 0.02.
 
 pub mod dielectric;
+pub mod film;
 pub mod sheen;
 
 use crate::shared::{ALBEDO_TABLE_SIZE, Tables};
@@ -69,6 +70,7 @@ pub fn tables() -> Box<Tables> {
 pub fn tables_for(needs: Needs) -> Box<Tables> {
     let mut tables = Box::new(Tables::zeroed());
     fill_ggx(&mut tables);
+    film::fill(&mut tables);
     if needs.dielectric {
         dielectric::fill(&mut tables);
     }

@@ -102,7 +102,8 @@ fn structures_agree_field_by_field() {
                 albedo_average,
                 albedo_dielectric,
                 albedo_average_dielectric,
-                albedo_sheen
+                albedo_sheen,
+                interference
             }),
         ),
         (

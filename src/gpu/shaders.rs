@@ -27,6 +27,7 @@ pub const MODULES: &[Module] = modules![
     "bsdf/oren_nayar",
     "bsdf/sheen",
     "bsdf/specular",
+    "bsdf/thin_film",
     "bsdf/torrance_sparrow",
     "bsdf/visible_normal",
     "bvh",

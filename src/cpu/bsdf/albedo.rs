@@ -36,7 +36,7 @@ pub fn albedo_average_entry(tables: &Tables, row: u32) -> DVec2 {
 }
 
 // cpu only: WGSL passes no slices.
-fn pair_of(table: &[[f32; 4]], index: u32) -> DVec2 {
+pub(super) fn pair_of(table: &[[f32; 4]], index: u32) -> DVec2 {
     let pair = table[index as usize / 2].map(f64::from);
     let half = 2 * (index as usize % 2);
     DVec2::new(pair[half], pair[half + 1])

@@ -19,6 +19,7 @@ pub mod metallic_roughness;
 pub mod oren_nayar;
 pub mod sheen;
 pub mod specular;
+pub mod thin_film;
 pub mod torrance_sparrow;
 pub mod visible_normal;
 
