@@ -53,6 +53,7 @@ const GLASS: &str = r#"{"model":"dielectric","eta":1.5}"#;
 const FROSTED: &str =
     r#"{"model":"dielectric","eta":1.5,"distribution":{"name":"ggx","alpha":0.4}}"#;
 const GGX: &str = r#"{"model":"torrance-sparrow","fresnel":{"constant":[1,1,1]},"distribution":{"name":"ggx","alpha":0.5}}"#;
+const BRUSHED: &str = r#"{"model":"torrance-sparrow","fresnel":{"constant":[1,1,1]},"distribution":{"name":"ggx","alpha":[0.9,0.1]}}"#;
 const BECKMANN: &str = r#"{"model":"torrance-sparrow","fresnel":{"constant":[1,1,1]},"distribution":{"name":"beckmann","alpha":0.5}}"#;
 const BLINN: &str = r#"{"model":"torrance-sparrow","fresnel":{"constant":[1,1,1]},"distribution":{"name":"blinn","exponent":5}}"#;
 const SHIRLEY: &str = r#"{"model":"torrance-sparrow","fresnel":{"constant":[1,1,1]},"distribution":{"name":"ashikhmin-shirley","exponent":[5,50]}}"#;
@@ -112,9 +113,9 @@ mutations! {
     quarter_forgotten_in_f:
         "G / (4.0 * wo.z * wi.z)" => "G / (wo.z * wi.z)", Statistics(0.0), GGX;
     quarter_forgotten_in_the_jacobian:
-        "return 1.0 / (4.0 * cos_m);" => "return 1.0 / cos_m;", Statistics(0.0), GGX;
+        "return 1.0 / (4.0 * cos_m);" => "return 1.0 / cos_m;", Statistics(0.0), BECKMANN;
     jacobian_forgotten_in_the_pdf:
-        "cos_m) * half_vector_jacobian(cos_m);" => "cos_m);", Statistics(30.0), GGX;
+        "cos_m) * half_vector_jacobian(cos_m);" => "cos_m);", Statistics(30.0), BECKMANN;
     a_cosine_for_the_other:
         "G / (4.0 * wo.z * wi.z)" => "G / (4.0 * wo.z * wo.z)", Statistics(85.0), GGX;
     smith_forgotten:
@@ -129,9 +130,18 @@ mutations! {
     ggx_not_squared:
         "alpha.x * alpha.y * sqr(stretched))" => "alpha.x * alpha.y * stretched)", Statistics(30.0), GGX;
     visible_normals_without_their_cosine:
-        "facet_D(bsdf, wm) * cos_o / wo.z" => "facet_D(bsdf, wm) / wo.z", Statistics(60.0), GGX;
+        "facet_D(bsdf, wm) * cos_o / wo.z" => "facet_D(bsdf, wm) / wo.z", Statistics(60.0), BECKMANN;
     normals_not_stretched_back:
         "vec3(alpha * sum.xy, sum.z)" => "vec3(sum.xy, sum.z)", Statistics(30.0), GGX;
+    bound_forgotten_in_the_samples:
+        "let above = rest * view.z;" => "let above = 0.0;", Statistics(30.0), GGX;
+    bound_forgotten_in_the_pdf:
+        "+ k * wo.z));" => "+ wo.z));", Statistics(30.0), GGX;
+    bound_too_tight:
+        "let a2 = sqr(min(min(alpha.x, alpha.y), 1.0));" => "let a2 = min(min(alpha.x, alpha.y), 1.0);",
+        Statistics(60.0), GGX;
+    bound_by_the_wider_axis:
+        "min(min(alpha.x, alpha.y), 1.0)" => "min(max(alpha.x, alpha.y), 1.0)", Statistics(60.0), BRUSHED;
     blinn_normalised_for_radiance:
         "return (e + 2.0) * (0.5 * INV_PI)" => "return (e + 1.0) * (0.5 * INV_PI)", Statistics(30.0), BLINN;
     blinn_sampled_without_its_cosine:

@@ -9,7 +9,7 @@ import package::bsdf::fresnel::{F_dielectric, T_dielectric, T_dielectric_cosines
 import package::bsdf::specular::{reflection_direction, refraction_direction};
 import package::bsdf::distribution::{facet_D, is_smooth};
 import package::bsdf::masking::{facet_G2};
-import package::bsdf::torrance_sparrow::{half_vector, facet_pdf, facet_sample, torrance_sparrow_shape};
+import package::bsdf::torrance_sparrow::{half_vector, half_vector_jacobian, facet_pdf, facet_sample, mirror_shape};
 
 // Whether the boundary acts as a smooth one: by its facets, or because both sides are nearly alike.
 fn is_smooth_dielectric(bsdf: Bsdf) -> bool {
@@ -60,8 +60,9 @@ fn rough_dielectric_reflection(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> Bsdf
     // Walter et al. 2007, eq. 20.
     let wm = half_vector(wo, wi);
     let F = F_dielectric(wm.w, bsdf.eta.x);
-    let shape = torrance_sparrow_shape(bsdf, wo, wi, wm.xyz, wm.w);
-    return BsdfEval(bsdf.reflectance * (F * shape.x), F * shape.y);
+    // By facets that refract too: those of facet_sample.
+    let pdf = facet_pdf(bsdf, wo, wm.xyz, wm.w) * half_vector_jacobian(wm.w);
+    return BsdfEval(bsdf.reflectance * (F * mirror_shape(bsdf, wo, wi, wm.xyz, wm.w)), F * pdf);
 }
 
 fn rough_dielectric_transmission(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {

@@ -13,7 +13,7 @@ import package::bsdf::albedo::{albedo_ggx, albedo_average_ggx};
 import package::bsdf::fresnel::{schlick_weight};
 import package::bsdf::distribution::{is_smooth};
 import package::bsdf::specular::{specular_reflection_sample, reflection_direction};
-import package::bsdf::torrance_sparrow::{facet_sample, half_vector, torrance_sparrow_shape};
+import package::bsdf::torrance_sparrow::{half_vector, mirror_sample, torrance_sparrow_shape};
 
 // Where both lobes exist, neither is chosen less often than this: a lobe can be brighter than its
 // mean over directions, and weights stay bounded.
@@ -82,7 +82,7 @@ fn metallic_roughness_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSam
         if is_smooth(bsdf) {
             return BsdfSample(vec3(-wo.x, -wo.y, wo.z), F_gltf(bsdf, wo.z) / wo.z, p, 1u);
         }
-        wi = reflection_direction(wo, facet_sample(bsdf, wo, u.yz));
+        wi = reflection_direction(wo, mirror_sample(bsdf, wo, u.yz));
     }
     return sample_of(wi, metallic_roughness_eval(bsdf, wo, wi));
 }

@@ -5,7 +5,7 @@ import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of
 import package::bsdf::fresnel::{fresnel_F};
 import package::bsdf::specular::{reflection_direction};
 import package::bsdf::distribution::{facet_D, facet_alpha, facet_exponents, sample_exponential};
-import package::bsdf::visible_normal::{sample_visible_ggx, sample_visible_beckmann};
+import package::bsdf::visible_normal::{sample_visible_ggx, sample_visible_beckmann, sample_bounded_visible_ggx, pdf_bounded_visible_ggx};
 import package::bsdf::masking::{facet_G2, G1_smith};
 
 // The facet that mirrors wi to wo, and in w the cosine between it and either of them; zero where the
@@ -45,11 +45,31 @@ fn facet_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
     return sample_exponential(facet_exponents(bsdf), u);
 }
 
-// D G / (4 cos theta_o cos theta_i) in x and the density of wi in y: all of the lobe but its colour.
-fn torrance_sparrow_shape(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>, wm: vec3<f32>, cos_m: f32) -> vec2<f32> {
+// Density of mirror_sample's mirrored direction, per its own solid angle.
+fn mirror_pdf(bsdf: Bsdf, wo: vec3<f32>, wm: vec3<f32>, cos_m: f32) -> f32 {
+    if bsdf.distribution == DISTRIBUTION_GGX {
+        return pdf_bounded_visible_ggx(wo, facet_alpha(bsdf), facet_D(bsdf, wm));
+    }
+    return facet_pdf(bsdf, wo, wm, cos_m) * half_vector_jacobian(cos_m);
+}
+
+// A facet normal for those who only reflect there.
+fn mirror_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
+    if bsdf.distribution == DISTRIBUTION_GGX {
+        return sample_bounded_visible_ggx(wo, facet_alpha(bsdf), u);
+    }
+    return facet_sample(bsdf, wo, u);
+}
+
+// D G / (4 cos theta_o cos theta_i): all of the lobe but its colour.
+fn mirror_shape(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>, wm: vec3<f32>, cos_m: f32) -> f32 {
     let G = facet_G2(bsdf, wo, wi, wm, cos_m, cos_m);
-    let pdf = facet_pdf(bsdf, wo, wm, cos_m) * half_vector_jacobian(cos_m);
-    return vec2(facet_D(bsdf, wm) * G / (4.0 * wo.z * wi.z), pdf);
+    return facet_D(bsdf, wm) * G / (4.0 * wo.z * wi.z);
+}
+
+// The same in x and the density of wi in y.
+fn torrance_sparrow_shape(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>, wm: vec3<f32>, cos_m: f32) -> vec2<f32> {
+    return vec2(mirror_shape(bsdf, wo, wi, wm, cos_m), mirror_pdf(bsdf, wo, wm, cos_m));
 }
 
 fn torrance_sparrow_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
@@ -68,6 +88,6 @@ fn torrance_sparrow_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec2<f32>) -> BsdfSampl
     if wo.z < MIN_COS {
         return no_sample();
     }
-    let wi = reflection_direction(wo, facet_sample(bsdf, wo, u));
+    let wi = reflection_direction(wo, mirror_sample(bsdf, wo, u));
     return sample_of(wi, torrance_sparrow_eval(bsdf, wo, wi));
 }

@@ -10,7 +10,9 @@ use super::lobe::{
 };
 use super::masking::facet_G2;
 use super::specular::{reflection_direction, refraction_direction};
-use super::torrance_sparrow::{facet_pdf, facet_sample, half_vector, torrance_sparrow_shape};
+use super::torrance_sparrow::{
+    facet_pdf, facet_sample, half_vector, half_vector_jacobian, mirror_shape,
+};
 use crate::cpu::exact::product_sum;
 use crate::cpu::math::sqr;
 use glam::{DVec2, DVec3, DVec4};
@@ -74,10 +76,11 @@ pub fn rough_dielectric_reflection(bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> BsdfEva
     // Walter et al. 2007, eq. 20.
     let wm = half_vector(wo, wi);
     let F = F_dielectric(wm.w, bsdf.eta.x);
-    let shape = torrance_sparrow_shape(bsdf, wo, wi, wm.truncate(), wm.w);
+    // By facets that refract too: those of `facet_sample`.
+    let pdf = facet_pdf(bsdf, wo, wm.truncate(), wm.w) * half_vector_jacobian(wm.w);
     BsdfEval {
-        f: bsdf.reflectance * (F * shape.x),
-        pdf: F * shape.y,
+        f: bsdf.reflectance * (F * mirror_shape(bsdf, wo, wi, wm.truncate(), wm.w)),
+        pdf: F * pdf,
     }
 }
 

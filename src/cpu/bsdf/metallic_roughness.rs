@@ -11,7 +11,7 @@ use super::distribution::is_smooth;
 use super::fresnel::schlick_weight;
 use super::lobe::{BsdfEval, BsdfSample, MIN_COS, is_reflected, no_eval, no_sample, sample_of};
 use super::specular::reflection_direction;
-use super::torrance_sparrow::{facet_sample, half_vector, torrance_sparrow_shape};
+use super::torrance_sparrow::{half_vector, mirror_sample, torrance_sparrow_shape};
 use crate::cpu::math::{INV_PI, luminance};
 use crate::cpu::sample::{pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use crate::shared::Tables;
@@ -94,7 +94,7 @@ pub fn metallic_roughness_sample(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVe
                 delta: 1,
             };
         }
-        wi = reflection_direction(wo, facet_sample(bsdf, wo, u_direction));
+        wi = reflection_direction(wo, mirror_sample(bsdf, wo, u_direction));
     }
     sample_of(wi, metallic_roughness_eval(tables, bsdf, wo, wi))
 }

@@ -6,7 +6,10 @@ use super::fresnel::fresnel_F;
 use super::lobe::{BsdfEval, BsdfSample, MIN_COS, is_reflected, no_eval, no_sample, sample_of};
 use super::masking::{G1_smith, facet_G2};
 use super::specular::reflection_direction;
-use super::visible_normal::{sample_visible_beckmann, sample_visible_ggx};
+use super::visible_normal::{
+    pdf_bounded_visible_ggx, sample_bounded_visible_ggx, sample_visible_beckmann,
+    sample_visible_ggx,
+};
 use crate::shared::{DISTRIBUTION_BECKMANN, DISTRIBUTION_GGX};
 use glam::{DVec2, DVec3, DVec4};
 
@@ -47,11 +50,34 @@ pub fn facet_sample(bsdf: &Bsdf, wo: DVec3, u: DVec2) -> DVec3 {
     sample_exponential(facet_exponents(bsdf), u)
 }
 
-/// D G / (4 cos theta_o cos theta_i) in x and the density of wi in y: all of the lobe but its colour.
-pub fn torrance_sparrow_shape(bsdf: &Bsdf, wo: DVec3, wi: DVec3, wm: DVec3, cos_m: f64) -> DVec2 {
+/// Density of `mirror_sample`'s mirrored direction, per its own solid angle.
+pub fn mirror_pdf(bsdf: &Bsdf, wo: DVec3, wm: DVec3, cos_m: f64) -> f64 {
+    if bsdf.distribution == DISTRIBUTION_GGX {
+        return pdf_bounded_visible_ggx(wo, facet_alpha(bsdf), facet_D(bsdf, wm));
+    }
+    facet_pdf(bsdf, wo, wm, cos_m) * half_vector_jacobian(cos_m)
+}
+
+/// A facet normal for those who only reflect there.
+pub fn mirror_sample(bsdf: &Bsdf, wo: DVec3, u: DVec2) -> DVec3 {
+    if bsdf.distribution == DISTRIBUTION_GGX {
+        return sample_bounded_visible_ggx(wo, facet_alpha(bsdf), u);
+    }
+    facet_sample(bsdf, wo, u)
+}
+
+/// D G / (4 cos theta_o cos theta_i): all of the lobe but its colour.
+pub fn mirror_shape(bsdf: &Bsdf, wo: DVec3, wi: DVec3, wm: DVec3, cos_m: f64) -> f64 {
     let G = facet_G2(bsdf, wo, wi, wm, cos_m, cos_m);
-    let pdf = facet_pdf(bsdf, wo, wm, cos_m) * half_vector_jacobian(cos_m);
-    DVec2::new(facet_D(bsdf, wm) * G / (4.0 * wo.z * wi.z), pdf)
+    facet_D(bsdf, wm) * G / (4.0 * wo.z * wi.z)
+}
+
+/// The same in x and the density of wi in y.
+pub fn torrance_sparrow_shape(bsdf: &Bsdf, wo: DVec3, wi: DVec3, wm: DVec3, cos_m: f64) -> DVec2 {
+    DVec2::new(
+        mirror_shape(bsdf, wo, wi, wm, cos_m),
+        mirror_pdf(bsdf, wo, wm, cos_m),
+    )
 }
 
 pub fn torrance_sparrow_eval(bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> BsdfEval {
@@ -73,6 +99,6 @@ pub fn torrance_sparrow_sample(bsdf: &Bsdf, wo: DVec3, u: DVec2) -> BsdfSample {
     if wo.z < MIN_COS {
         return no_sample();
     }
-    let wi = reflection_direction(wo, facet_sample(bsdf, wo, u));
+    let wi = reflection_direction(wo, mirror_sample(bsdf, wo, u));
     sample_of(wi, torrance_sparrow_eval(bsdf, wo, wi))
 }

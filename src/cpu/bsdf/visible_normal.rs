@@ -15,20 +15,53 @@ pub fn stretched_view(wo: DVec3, alpha: DVec2) -> DVec3 {
     normalize_accurate((alpha * wo.truncate()).extend(wo.z))
 }
 
-pub fn sample_visible_ggx(wo: DVec3, alpha: DVec2, u: DVec2) -> DVec3 {
-    // Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps", listing 3: in that
-    // space the reflected directions are uniform over the cap z > -view.z.
-    let view = stretched_view(wo, alpha);
+/// The visible normal of a point u on the cap z > (rest - 1) view.z of mirrored directions in that space.
+pub fn sample_cap(view: DVec3, rest: f64, alpha: DVec2, u: DVec2) -> DVec3 {
+    // Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps", listing 3: over the cap
+    // z > -view.z visible normals make them uniform.
     let turn = sincos_accurate(2.0 * PI * u.x);
-    // z = (1 - u) (1 + view.z) - view.z; 1 - z, 1 + z and z + view.z without cancellation.
-    let width = 1.0 + view.z;
-    let sin = (u.y * width * ((1.0 - view.z) + (1.0 - u.y) * width)).sqrt();
+    // z = (1 - u) (1 + b) - b with b = (1 - rest) view.z; 1 - z, 1 + z and z + view.z without cancellation.
+    let above = rest * view.z; // of the cap's edge over the mirrored view
+    let width = (1.0 + view.z) - above;
+    let sin = (u.y * width * ((1.0 - view.z) + above + (1.0 - u.y) * width)).sqrt();
     let sum = DVec3::new(
         sin * turn.y + view.x,
         sin * turn.x + view.y,
-        (1.0 - u.y) * width,
+        (1.0 - u.y) * width + above,
     );
     normalize_accurate((alpha * sum.truncate()).extend(sum.z))
+}
+
+pub fn sample_visible_ggx(wo: DVec3, alpha: DVec2, u: DVec2) -> DVec3 {
+    sample_cap(stretched_view(wo, alpha), 0.0, alpha, u)
+}
+
+/// 1 - k, where the mirrored directions above the surface lie in the cap z > -k view.z.
+pub fn bounded_cap_rest(wo: DVec3, alpha: DVec2) -> f64 {
+    // Eto and Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections", with the narrower axis:
+    // k = (1 - a^2) s^2 / (s^2 + a^2 cos^2), s = 1 + sin.
+    let a2 = sqr(alpha.min_element().min(1.0));
+    let s2 = sqr(1.0 + (wo.x * wo.x + wo.y * wo.y).sqrt());
+    a2 * (s2 + sqr(wo.z)) / (s2 + a2 * sqr(wo.z))
+}
+
+/// Visible normals for reflection alone: few of those that mirror wo into the surface.
+pub fn sample_bounded_visible_ggx(wo: DVec3, alpha: DVec2, u: DVec2) -> DVec3 {
+    sample_cap(
+        stretched_view(wo, alpha),
+        bounded_cap_rest(wo, alpha),
+        alpha,
+        u,
+    )
+}
+
+/// Density of the mirrored direction, per its own solid angle; D is that of its facet.
+pub fn pdf_bounded_visible_ggx(wo: DVec3, alpha: DVec2, D: f64) -> f64 {
+    // Eto and Tokuyoshi 2023: the cap's area is 1 + k view.z where it was 1 + view.z, so that
+    // G1 D / (4 cos_o) = D / (2 (t + cos_o)) becomes D / (2 (t + k cos_o)), t the stretched view's length.
+    let stretched = (alpha * wo.truncate()).extend(wo.z);
+    let k = 1.0 - bounded_cap_rest(wo, alpha);
+    D / (2.0 * (stretched.dot(stretched).sqrt() + k * wo.z))
 }
 
 /// Probability that a visible Beckmann slope along the view is below x, times a constant.
