@@ -9,6 +9,7 @@ use crate::gpu::upload::UploadError;
 use crate::lab::LabError;
 use crate::output::OutputError;
 use crate::pack::PackError;
+use crate::plot::PlotError;
 
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -40,6 +41,8 @@ pub enum Error {
     Gltf(#[from] GltfError),
     #[error(transparent)]
     Lab(#[from] LabError),
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     #[error(transparent)]
     Device(#[from] DeviceError),
     #[error(transparent)]
@@ -76,6 +79,7 @@ impl Error {
                 | RenderError::Failed(_) => 7,
             },
             Error::Lab(_) => 7,
+            Error::Plot(error) => error.exit_status(),
             Error::Device(error) => match error {
                 DeviceError::NoAdapter
                 | DeviceError::NotFound { .. }

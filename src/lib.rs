@@ -21,8 +21,9 @@
 //!   estimator in one function; read it first.
 //! - [`film`] holds sums of samples; [`output`] makes pictures of it, [`report`] the record, and
 //!   [`compare`] says whether two films show the same.
-//! - [`lab`] evaluates reflection functions one query at a time, and [`cli`] is the program around it
-//!   all, with [`error`] giving each failure its sentence and its exit status.
+//! - [`lab`] evaluates reflection functions one query at a time, [`plot`] draws figures of them, and
+//!   [`cli`] is the program around it all, with [`error`] giving each failure its sentence and its exit
+//!   status.
 //!
 //! # Conventions
 //!
@@ -63,6 +64,7 @@ pub mod gpu;
 pub mod lab;
 pub mod output;
 pub mod pack;
+pub mod plot;
 pub mod progress;
 pub mod render;
 pub mod report;

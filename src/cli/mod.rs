@@ -3,6 +3,7 @@
 pub mod bsdf;
 pub mod doctor;
 pub mod info;
+pub mod plot;
 mod record;
 pub mod render;
 mod value;
@@ -37,6 +38,7 @@ pub enum Command {
     /// Say what is in a glTF file, and what Snell does with each of its extensions.
     Info(info::InfoArgs),
     Bsdf(bsdf::BsdfArgs),
+    Plot(plot::PlotArgs),
 }
 
 impl Cli {
@@ -47,6 +49,7 @@ impl Cli {
             Command::Doctor(args) => doctor::run(&args),
             Command::Info(args) => info::run(&args),
             Command::Bsdf(args) => bsdf::run(&args),
+            Command::Plot(args) => plot::run(&args),
         }
     }
 

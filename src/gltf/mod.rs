@@ -166,6 +166,22 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, GltfError> {
     })
 }
 
+/// The names and the JSON of a file's materials, in order; nothing else of the file is read.
+pub fn material_objects(
+    path: &Path,
+    options: &LoadOptions,
+) -> Result<Vec<(String, serde_json::Value)>, GltfError> {
+    let source = source::Source::new(path, options);
+    let document = source::open(path, &source)?;
+    let root = Json::root(&document);
+    version(&root)?;
+    let materials = root.objects("materials")?;
+    Ok(materials
+        .iter()
+        .map(|json| (json.name(), json.value().clone()))
+        .collect())
+}
+
 /// glTF 2.0 section 3.2: minor versions are compatible, major ones are not.
 fn version(root: &Json<'_>) -> Result<(), GltfError> {
     let asset = root.required("asset")?;

@@ -3,7 +3,7 @@
 
 mod albedo;
 mod gpu;
-mod material;
+pub mod material;
 pub mod query;
 
 use crate::cpu;
