@@ -3,7 +3,7 @@
 use super::page::{
     Area, Axis, Curve, Drawn, Figure, GREY, Stroke, chart, legend, px, titled, trace,
 };
-use super::subject::{Reference, Subject};
+use super::subject::{Reference, Subject, radiance_density};
 use super::{PlotError, direction, luminance};
 use plotters::prelude::{DrawingBackend, ViridisRGB};
 
@@ -40,9 +40,8 @@ pub fn albedo(subject: &Subject, reference: &Reference, theta: f64) -> Result<Al
             if sample.wi.z > 0.0 {
                 albedo.reflected += share;
             } else {
-                // f transports radiance, which is denser by eta^2 on the far side: without that factor
-                // it is the share of the light.
-                albedo.transmitted += share * f64::from(bsdf.eta[0]).powi(2);
+                // f transports radiance: with its density taken out it is the share of the light.
+                albedo.transmitted += share * radiance_density(&bsdf);
             }
         }
     }

@@ -10,9 +10,9 @@ use super::{PlotError, direction};
 use crate::cpu::bsdf::fresnel::{F_conductor, F_conductor_approximate, F_dielectric, snell_root};
 use crate::scene::metals::Metal;
 use crate::shared::{
-    BSDF_DIELECTRIC, BSDF_ROUGH_DIELECTRIC, BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION,
-    BSDF_TORRANCE_SPARROW, FRESNEL_CONDUCTOR, FRESNEL_CONDUCTOR_APPROXIMATE, FRESNEL_CONSTANT,
-    FRESNEL_DIELECTRIC,
+    BSDF_DIELECTRIC, BSDF_GLTF, BSDF_ROUGH_DIELECTRIC, BSDF_SPECULAR_REFLECTION,
+    BSDF_SPECULAR_TRANSMISSION, BSDF_TORRANCE_SPARROW, FRESNEL_CONDUCTOR,
+    FRESNEL_CONDUCTOR_APPROXIMATE, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC,
 };
 use plotters::prelude::{DrawingBackend, RGBColor};
 
@@ -154,7 +154,7 @@ impl FresnelFigure {
                 k: bsdf.k.map(f64::from),
             });
         }
-        if bsdf.fresnel == FRESNEL_CONSTANT {
+        if bsdf.model != BSDF_GLTF && bsdf.fresnel == FRESNEL_CONSTANT {
             return Err(PlotError::NoFresnel(name));
         }
         let angles = angles();

@@ -2,10 +2,12 @@
 //! asks the laboratory what a material is.
 
 use super::{PlotError, direction};
+use crate::cpu;
+use crate::cpu::bsdf::metallic_roughness::F_gltf;
 use crate::cpu::sobol::{owen_scramble, sobol_dimension0, sobol_dimension1};
 use crate::lab::material::{bsdf_of, material_of};
 use crate::lab::{Input, Lab, LabError, Output, Stage};
-use crate::shared::Bsdf;
+use crate::shared::{BSDF_GLTF, Bsdf, GLTF_THIN_WALLED, GLTF_TRANSMISSIVE};
 use glam::DVec3;
 use serde_json::{Value, json};
 
@@ -205,6 +207,11 @@ impl Default for Reference {
 impl Reference {
     /// The Fresnel reflectance of the material's facets at each cosine.
     pub fn fresnel(&self, bsdf: &Bsdf, cosines: &[f64]) -> Result<Vec<DVec3>, LabError> {
+        if bsdf.model == BSDF_GLTF {
+            // The laboratory's stage knows the boundaries of the lecture's models only.
+            let bsdf = cpu::bsdf::Bsdf::from(bsdf);
+            return Ok(cosines.iter().map(|&cos| F_gltf(&bsdf, cos)).collect());
+        }
         let inputs: Vec<Input> = cosines
             .iter()
             .map(|&cos_theta| Input {
@@ -257,6 +264,18 @@ impl Reference {
             spread: any(|sample| !sample.delta),
             transmits: any(|sample| sample.wi.z < 0.0),
         })
+    }
+}
+
+/// By how much radiance is denser where light goes that the material transmits; f has its inverse.
+pub fn radiance_density(bsdf: &Bsdf) -> f64 {
+    let enters_a_medium = match bsdf.model {
+        BSDF_GLTF => bsdf.gltf.flags & (GLTF_TRANSMISSIVE | GLTF_THIN_WALLED) == GLTF_TRANSMISSIVE,
+        _ => true,
+    };
+    match enters_a_medium {
+        true => f64::from(bsdf.eta[0]).powi(2),
+        false => 1.0,
     }
 }
 
