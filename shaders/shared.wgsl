@@ -205,7 +205,7 @@ struct Material {
     alpha_cutoff: f32,
     normal_scale: f32,
     metallic: f32,
-    roughness: f32,          // glTF roughness; Oren-Nayar: sigma in radians, or EON's roughness
+    roughness: f32,          // glTF's, of specular-glossiness: glossiness; Oren-Nayar: sigma in radians, or EON's
     ior: f32,                // of the inside, absolute: dielectrics and glTF's dielectric part
     fresnel: u32,
     eta: vec3<f32>,          // conductor's index, or the constant reflectance, or F0
@@ -214,7 +214,7 @@ struct Material {
     masking: u32,
     alpha: vec2<f32>,        // of Beckmann and GGX, or the exponents of Blinn and Ashikhmin-Shirley
     transmission: f32,       // KHR_materials_transmission
-    dispersion: f32,         // KHR_materials_dispersion, 20 over the Abbe number; 0: none
+    dispersion: f32,         // KHR_materials_dispersion, 20 over the Abbe number; 0: none, or no medium
     absorption: vec3<f32>,   // KHR_materials_volume: -ln(attenuation colour) / distance, per metre
     diffuse_transmission: f32, // KHR_materials_diffuse_transmission
     diffuse_transmission_color: vec3<f32>,

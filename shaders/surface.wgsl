@@ -1,12 +1,12 @@
 // The surface where a ray met it: point, normals, shading frame, and what textures need.
 
-import package::shared::{Triangle, Instance, NONE, INSTANCE_FLIPPED};
+import package::shared::{Triangle, Instance, Texture, NONE, INSTANCE_FLIPPED};
 import package::bindings::{frame, triangles, instances, materials};
-import package::math::{Basis, basis_from_tangent, normalize_accurate, to_world};
+import package::math::{Basis, basis_from_tangent, normalize_accurate, to_local, to_world};
 import package::ray::{Ray, Hit};
 import package::attributes::{attribute_normal, attribute_tangent, attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
-import package::variant::{NORMAL_TEXTURES};
+import package::variant::{NORMAL_TEXTURES, COAT_NORMALS};
 
 // In world space; `wo` is against the ray.
 struct Surface {
@@ -15,6 +15,8 @@ struct Surface {
     ng: vec3<f32>,           // geometric normal, on wo's side
     front: u32,              // 1: wo sees the front face
     basis: Basis,            // shading frame, its normal on wo's side
+    coat_normal: vec3<f32>,  // of a clear coat, in the shading frame, unit length, on wo's side
+    bitangent_sign: f32,     // -1: glTF's bitangent is against the frame's
     color: vec4<f32>,        // COLOR_0
     barycentrics: vec2<f32>, // of corners 1 and 2
     triangle: u32,
@@ -93,6 +95,14 @@ fn lift_reflection(ns: vec3<f32>, ng: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     return normalize_accurate(wo + lifted);
 }
 
+// The normal that a normal map tells in the mesh's own frame (glTF 2.0 section 3.9.3). Without tangents the
+// axes of the map are unknown, and any will do.
+fn mapped_normal(triangle: Triangle, barycentrics: vec2<f32>, smooth_frame: Basis, texture: Texture, scale: f32) -> vec3<f32> {
+    let uv = attribute_texcoord(triangle, barycentrics, texture.texcoord);
+    let texel = texture_sample(texture, uv).xyz * 2.0 - 1.0;
+    return normalize_accurate(to_world(smooth_frame, vec3<f32>(texel.xy * scale, texel.z)));
+}
+
 // The hit of `ray`; not for a miss.
 fn surface_at(ray: Ray, hit: Hit) -> Surface {
     let triangle = triangles[hit.triangle];
@@ -121,24 +131,37 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     let flipped = (instance.flags & INSTANCE_FLIPPED) != 0u;
     let handedness = select(object_tangent.w, -object_tangent.w, flipped);
 
+    let smooth_frame = basis_from_tangent(n, tangent, handedness);
     let normal_texture = materials[triangle.material].normal_texture;
     if NORMAL_TEXTURES && normal_texture.texels != NONE {
-        // glTF 2.0 section 3.9.3. Without tangents the axes of the map are unknown, and any will do.
-        let uv = attribute_texcoord(triangle, barycentrics, normal_texture.texcoord);
-        let texel = texture_sample(normal_texture, uv).xyz * 2.0 - 1.0;
         let scale = materials[triangle.material].normal_scale;
-        let bent = vec3<f32>(texel.xy * scale, texel.z);
-        n = normalize_accurate(to_world(basis_from_tangent(n, tangent, handedness), bent));
+        n = mapped_normal(triangle, barycentrics, smooth_frame, normal_texture, scale);
     }
 
     // The back of a double-sided surface has the reversed normal (glTF 2.0 section 3.9.6).
     let ns = lift_reflection(bend_towards(n * side, wo), n_front * side, wo);
+    let basis = basis_from_tangent(ns, tangent, 1.0);
+
+    // KHR_materials_clearcoat: the coat is as smooth as the mesh, or has a map of its own.
+    var coat_normal = vec3<f32>(0.0, 0.0, 1.0);
+    let coat_texture = materials[triangle.material].coat_normal_texture;
+    if COAT_NORMALS && materials[triangle.material].coat > 0.0 &&
+        (normal_texture.texels != NONE || coat_texture.texels != NONE) {
+        var n_coat = smooth_frame.n;
+        if coat_texture.texels != NONE {
+            let scale = materials[triangle.material].coat_normal_scale;
+            n_coat = mapped_normal(triangle, barycentrics, smooth_frame, coat_texture, scale);
+        }
+        coat_normal = to_local(basis, lift_reflection(bend_towards(n_coat * side, wo), n_front * side, wo));
+    }
     return Surface(
         p,
         position_error(triangle, instance, p, n_front),
         n_front * side,
         select(0u, 1u, front),
-        basis_from_tangent(ns, tangent, 1.0),
+        basis,
+        coat_normal,
+        select(handedness * side, 1.0, handedness == 0.0),
         attribute_color(triangle, barycentrics),
         barycentrics,
         hit.triangle,

@@ -10,6 +10,14 @@ override BASE_COLOR_TEXTURES: bool = true;       // some material has one; and s
 override METALLIC_ROUGHNESS_TEXTURES: bool = true;
 override NORMAL_TEXTURES: bool = true;
 override EMISSIVE_TEXTURES: bool = true;
+override TRANSMISSION_TEXTURES: bool = true;
+override DIFFUSE_TRANSMISSION_TEXTURES: bool = true;
+override SPECULAR_TEXTURES: bool = true;
+override ANISOTROPY_TEXTURES: bool = true;
+override COAT_TEXTURES: bool = true;
+override SHEEN_TEXTURES: bool = true;
+override IRIDESCENCE_TEXTURES: bool = true;
+override COAT_NORMALS: bool = true;              // some coat lies over a normal map or has its own
 
 // What all reflecting materials have in common, or NONE.
 override COMMON_MODEL: u32 = 0xffffffffu;

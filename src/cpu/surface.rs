@@ -1,11 +1,11 @@
 //! The surface where a ray met it: point, normals, shading frame, and what textures need.
 
 use super::attributes::{attribute_color, attribute_normal, attribute_tangent, attribute_texcoord};
-use super::math::{Basis, basis_from_tangent, normalize_accurate, to_world};
+use super::math::{Basis, basis_from_tangent, normalize_accurate, to_local, to_world};
 use super::ray::{Hit, Ray};
 use super::texture::texture_sample;
 use crate::pack::Packed;
-use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Triangle};
+use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Texture, Triangle};
 use glam::{DVec2, DVec3, DVec4, Vec3, Vec4};
 
 /// In world space; `wo` is against the ray.
@@ -20,6 +20,10 @@ pub struct Surface {
     pub front: bool,
     /// Shading frame, its normal on wo's side.
     pub basis: Basis,
+    /// Of a clear coat, in the shading frame, unit length, on wo's side.
+    pub coat_normal: DVec3,
+    /// -1: glTF's bitangent is against the frame's.
+    pub bitangent_sign: f64,
     /// COLOR_0
     pub color: DVec4,
     /// Of corners 1 and 2.
@@ -109,6 +113,22 @@ pub fn lift_reflection(ns: DVec3, ng: DVec3, wo: DVec3) -> DVec3 {
     normalize_accurate(wo + lifted)
 }
 
+/// The normal that a normal map tells in the mesh's own frame (glTF 2.0 section 3.9.3). Without tangents the
+/// axes of the map are unknown, and any will do.
+pub fn mapped_normal(
+    packed: &Packed,
+    triangle: &Triangle,
+    barycentrics: DVec2,
+    smooth_frame: Basis,
+    texture: &Texture,
+    scale: f64,
+) -> DVec3 {
+    let uv = attribute_texcoord(packed, triangle, barycentrics, texture.texcoord);
+    let texel = texture_sample(packed, texture, uv).truncate() * 2.0 - 1.0;
+    let bent = DVec3::new(texel.x * scale, texel.y * scale, texel.z);
+    normalize_accurate(to_world(smooth_frame, bent))
+}
+
 /// The hit of `ray`; not for a miss.
 pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
     let triangle = &packed.triangles[hit.triangle as usize];
@@ -148,24 +168,55 @@ pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
     };
 
     let material = &packed.materials[triangle.material as usize];
+    let smooth_frame = basis_from_tangent(n, tangent, handedness);
     let normal_texture = &material.normal_texture;
     if normal_texture.texels != NONE {
-        // glTF 2.0 section 3.9.3. Without tangents the axes of the map are unknown, and any will do.
-        let uv = attribute_texcoord(packed, triangle, barycentrics, normal_texture.texcoord);
-        let texel = texture_sample(packed, normal_texture, uv).truncate() * 2.0 - 1.0;
         let scale = f64::from(material.normal_scale);
-        let bent = DVec3::new(texel.x * scale, texel.y * scale, texel.z);
-        n = normalize_accurate(to_world(basis_from_tangent(n, tangent, handedness), bent));
+        n = mapped_normal(
+            packed,
+            triangle,
+            barycentrics,
+            smooth_frame,
+            normal_texture,
+            scale,
+        );
     }
 
     // The back of a double-sided surface has the reversed normal (glTF 2.0 section 3.9.6).
     let ns = lift_reflection(bend_towards(n * side, wo), n_front * side, wo);
+    let basis = basis_from_tangent(ns, tangent, 1.0);
+
+    // KHR_materials_clearcoat: the coat is as smooth as the mesh, or has a map of its own.
+    let mut coat_normal = DVec3::Z;
+    let coat_texture = &material.coat_normal_texture;
+    if material.coat > 0.0 && (normal_texture.texels != NONE || coat_texture.texels != NONE) {
+        let mut n_coat = smooth_frame.n;
+        if coat_texture.texels != NONE {
+            let scale = f64::from(material.coat_normal_scale);
+            n_coat = mapped_normal(
+                packed,
+                triangle,
+                barycentrics,
+                smooth_frame,
+                coat_texture,
+                scale,
+            );
+        }
+        let visible = lift_reflection(bend_towards(n_coat * side, wo), n_front * side, wo);
+        coat_normal = to_local(basis, visible);
+    }
     Surface {
         p,
         p_error: position_error(packed, triangle, instance, p, n_front),
         ng: n_front * side,
         front,
-        basis: basis_from_tangent(ns, tangent, 1.0),
+        basis,
+        coat_normal,
+        bitangent_sign: if handedness == 0.0 {
+            1.0
+        } else {
+            handedness * side
+        },
         color: attribute_color(packed, triangle, barycentrics),
         barycentrics,
         triangle: hit.triangle,

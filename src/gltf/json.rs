@@ -95,6 +95,12 @@ impl<'a> Json<'a> {
         }
     }
 
+    /// The same, without properties where it is absent.
+    pub fn object_or_empty(&self, key: &str) -> Result<Json<'a>, GltfError> {
+        const EMPTY: &Value = &Value::Null;
+        Ok(self.object(key)?.unwrap_or_else(|| self.with(EMPTY, key)))
+    }
+
     pub fn extension(&self, name: &str) -> Result<Option<Json<'a>>, GltfError> {
         match self.object("extensions")? {
             Some(extensions) => extensions.object(name),

@@ -4,7 +4,7 @@ use super::accessor::{Accessors, Attribute};
 use super::deform::{self, Pose};
 use super::error::GltfError;
 use super::json::Json;
-use super::material::{MAX_TEXCOORDS, tangent_source, texcoord_count};
+use super::material::MAX_TEXCOORDS;
 use super::normal;
 use super::notes::Notes;
 use super::tangent;
@@ -149,14 +149,14 @@ impl Meshes<'_, '_> {
         }
         let used = &self.materials[material];
         let present = vertices.texcoords.len();
-        if present < texcoord_count(used) {
+        if present < used.texcoord_count() {
             self.notes
                 .add("missing texture coordinates are taken as zero", &json.at);
         }
-        let count = present.max(texcoord_count(used));
+        let count = present.max(used.texcoord_count());
         let zeros = vec![Vec2::ZERO; vertices.positions.len()];
         vertices.texcoords.resize(count, zeros);
-        match tangent_source(used) {
+        match used.tangent_source() {
             None => vertices.tangents = None,
             Some((texcoord, rows)) => {
                 if vertices.tangents.is_none() && texcoord < present {
@@ -332,7 +332,7 @@ fn sanitize(vertices: &mut Vertices) -> bool {
         if zero(!color.is_finite()) {
             *color = Vec4::ZERO;
         }
-        *color = color.max(Vec4::ZERO);
+        *color = color.clamp(Vec4::ZERO, Vec4::ONE);
     }
     for texcoord in vertices.texcoords.iter_mut().flatten() {
         if zero(!texcoord.is_finite()) {

@@ -28,6 +28,7 @@ pub use environment::{default_environment, load_environment};
 pub use error::GltfError;
 pub use extension::{ExtensionUse, Treatment};
 pub use framing::{bounds, default_camera};
+pub use material::material_of_query;
 
 use crate::scene::{Instance, Material, Scene};
 use accessor::{Accessors, Attribute};

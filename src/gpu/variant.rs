@@ -15,14 +15,7 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
         .zip(used)
         .filter_map(|(material, used)| used.then_some(material))
         .collect();
-    let any = |texture: fn(&Material) -> &Texture| {
-        flag(
-            materials
-                .iter()
-                .any(|material| texture(material).texels != NONE),
-        )
-    };
-    let any_flag = |bit: u32| flag(materials.iter().any(|material| material.flags & bit != 0));
+    let some = |test: fn(&Material) -> bool| flag(materials.iter().any(|material| test(material)));
     // An unlit surface ends its path before any reflection model is asked.
     let common = |value: fn(&Material) -> u32| {
         let mut values = materials
@@ -38,19 +31,64 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
     };
     vec![
         ("TEST_ALPHA", flag(packed.frame.has_alpha != 0)),
-        ("MEDIA", any_flag(MATERIAL_TRANSMISSIVE)),
-        ("BASE_COLOR_TEXTURES", any(|m| &m.base_color_texture)),
+        ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),
+        (
+            "BASE_COLOR_TEXTURES",
+            some(|m| any(&[&m.base_color_texture])),
+        ),
         (
             "METALLIC_ROUGHNESS_TEXTURES",
-            any(|m| &m.metallic_roughness_texture),
+            some(|m| any(&[&m.metallic_roughness_texture])),
         ),
-        ("NORMAL_TEXTURES", any(|m| &m.normal_texture)),
-        ("EMISSIVE_TEXTURES", any(|m| &m.emissive_texture)),
+        ("NORMAL_TEXTURES", some(|m| any(&[&m.normal_texture]))),
+        ("EMISSIVE_TEXTURES", some(|m| any(&[&m.emissive_texture]))),
+        (
+            "TRANSMISSION_TEXTURES",
+            some(|m| any(&[&m.transmission_texture])),
+        ),
+        (
+            "DIFFUSE_TRANSMISSION_TEXTURES",
+            some(|m| {
+                any(&[
+                    &m.diffuse_transmission_texture,
+                    &m.diffuse_transmission_color_texture,
+                ])
+            }),
+        ),
+        (
+            "SPECULAR_TEXTURES",
+            some(|m| any(&[&m.specular_texture, &m.specular_color_texture])),
+        ),
+        (
+            "ANISOTROPY_TEXTURES",
+            some(|m| any(&[&m.anisotropy_texture])),
+        ),
+        (
+            "COAT_TEXTURES",
+            some(|m| any(&[&m.coat_texture, &m.coat_roughness_texture])),
+        ),
+        (
+            "SHEEN_TEXTURES",
+            some(|m| any(&[&m.sheen_color_texture, &m.sheen_roughness_texture])),
+        ),
+        (
+            "IRIDESCENCE_TEXTURES",
+            some(|m| any(&[&m.iridescence_texture, &m.film_thickness_texture])),
+        ),
+        (
+            "COAT_NORMALS",
+            some(|m| m.coat > 0.0 && any(&[&m.normal_texture, &m.coat_normal_texture])),
+        ),
         ("COMMON_MODEL", common(|m| m.model)),
         ("COMMON_FRESNEL", common(|m| m.fresnel)),
         ("COMMON_DISTRIBUTION", common(|m| m.distribution)),
         ("COMMON_MASKING", common(|m| m.masking)),
     ]
+}
+
+/// Whether one of the textures is there.
+fn any(textures: &[&Texture]) -> bool {
+    textures.iter().any(|texture| texture.texels != NONE)
 }
 
 fn flag(value: bool) -> f64 {

@@ -3,10 +3,11 @@
 use super::PackError;
 use super::model::lower_bsdf;
 use super::texture::Textures;
-use crate::scene::{self, AlphaMode, Model};
+use crate::scene::{self, AlphaMode, Extensions, Model, Texture};
 use crate::shared::{
     BSDF_GLTF, BSDF_UNLIT, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH, MATERIAL_ALPHA_BLEND,
-    MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE, Material,
+    MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE, MATERIAL_SPECULAR_GLOSSINESS,
+    MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE, Material,
 };
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -17,32 +18,36 @@ pub fn pack_material(
     material: &scene::Material,
     textures: &Textures,
 ) -> Result<Material, PackError> {
-    let none = textures.record(None);
     let mut packed = Material {
         alpha_cutoff: 0.0,
         normal_scale: material.normal_scale,
         ior: 1.0,
-        base_color_texture: none,
-        metallic_roughness_texture: none,
         normal_texture: textures.record(material.normal_texture.as_ref()),
         emissive_texture: textures.record(material.emissive_texture.as_ref()),
         emissive: material.emissive.to_array(),
         emission_weight: emission_weight(material, textures),
-        ..Material::zeroed()
+        ..untextured()
     };
     match &material.model {
         Model::MetallicRoughness(m) => {
-            packed.model = BSDF_GLTF;
+            lower_gltf(&m.extensions, textures, &mut packed);
             packed.base_color = m.base_color.to_array();
             packed.metallic = m.metallic;
             packed.roughness = m.roughness;
             packed.ior = m.ior;
-            packed.fresnel = FRESNEL_SCHLICK;
-            packed.distribution = DISTRIBUTION_GGX;
-            packed.masking = MASKING_SMITH;
             packed.base_color_texture = textures.record(m.base_color_texture.as_ref());
             packed.metallic_roughness_texture =
                 textures.record(m.metallic_roughness_texture.as_ref());
+        }
+        Model::SpecularGlossiness(m) => {
+            lower_gltf(&Extensions::default(), textures, &mut packed);
+            packed.flags |= MATERIAL_SPECULAR_GLOSSINESS;
+            packed.base_color = m.diffuse.factor.to_array();
+            packed.specular_color = m.specular.factor.to_array();
+            packed.roughness = m.glossiness;
+            packed.ior = SPECULAR_GLOSSINESS_IOR;
+            packed.base_color_texture = textures.record(m.diffuse.texture.as_ref());
+            packed.specular_color_texture = textures.record(m.specular.texture.as_ref());
         }
         Model::Unlit {
             base_color,
@@ -83,6 +88,94 @@ pub fn pack_material(
         packed.flags |= MATERIAL_EMISSIVE;
     }
     Ok(packed)
+}
+
+/// The index of glTF's dielectrics. Specular-glossiness has none of its own: its F0 is all that its
+/// reflection asks for.
+const SPECULAR_GLOSSINESS_IOR: f32 = 1.5;
+
+/// Zeros, without textures.
+fn untextured() -> Material {
+    let none = Textures::default().record(None);
+    Material {
+        base_color_texture: none,
+        metallic_roughness_texture: none,
+        normal_texture: none,
+        emissive_texture: none,
+        transmission_texture: none,
+        diffuse_transmission_texture: none,
+        diffuse_transmission_color_texture: none,
+        specular_texture: none,
+        specular_color_texture: none,
+        anisotropy_texture: none,
+        coat_texture: none,
+        coat_roughness_texture: none,
+        coat_normal_texture: none,
+        sheen_color_texture: none,
+        sheen_roughness_texture: none,
+        iridescence_texture: none,
+        film_thickness_texture: none,
+        ..Material::zeroed()
+    }
+}
+
+/// The model of glTF with its extensions, neutral ones too.
+fn lower_gltf(extensions: &Extensions, textures: &Textures, into: &mut Material) {
+    into.model = BSDF_GLTF;
+    into.fresnel = FRESNEL_SCHLICK;
+    into.distribution = DISTRIBUTION_GGX;
+    into.masking = MASKING_SMITH;
+    let place = |texture: &Option<Texture>| textures.record(texture.as_ref());
+    let Extensions {
+        transmission,
+        diffuse_transmission,
+        volume,
+        dispersion,
+        specular,
+        clearcoat,
+        sheen,
+        anisotropy,
+        iridescence,
+    } = extensions;
+    into.transmission = transmission.factor;
+    into.transmission_texture = place(&transmission.texture);
+    into.diffuse_transmission = diffuse_transmission.share.factor;
+    into.diffuse_transmission_texture = place(&diffuse_transmission.share.texture);
+    into.diffuse_transmission_color = diffuse_transmission.color.factor.to_array();
+    into.diffuse_transmission_color_texture = place(&diffuse_transmission.color.texture);
+    match volume {
+        _ if !extensions.is_transmissive() => {}
+        Some(volume) => {
+            into.flags |= MATERIAL_TRANSMISSIVE;
+            into.absorption = volume.absorption().to_array();
+            into.dispersion = *dispersion;
+        }
+        // Nothing is between the two sides of a wall: its colours neither part nor fade.
+        None => into.flags |= MATERIAL_THIN_WALLED,
+    }
+    into.specular = specular.strength.factor;
+    into.specular_texture = place(&specular.strength.texture);
+    into.specular_color = specular.color.factor.to_array();
+    into.specular_color_texture = place(&specular.color.texture);
+    into.coat = clearcoat.coat.factor;
+    into.coat_texture = place(&clearcoat.coat.texture);
+    into.coat_roughness = clearcoat.roughness.factor;
+    into.coat_roughness_texture = place(&clearcoat.roughness.texture);
+    into.coat_normal_texture = place(&clearcoat.normal_texture);
+    into.coat_normal_scale = clearcoat.normal_scale;
+    into.sheen_color = sheen.color.factor.to_array();
+    into.sheen_color_texture = place(&sheen.color.texture);
+    into.sheen_roughness = sheen.roughness.factor;
+    into.sheen_roughness_texture = place(&sheen.roughness.texture);
+    into.anisotropy = anisotropy.strength.factor;
+    into.anisotropy_texture = place(&anisotropy.strength.texture);
+    let (sin, cos) = f64::from(anisotropy.rotation).sin_cos();
+    into.anisotropy_rotation = [cos as f32, sin as f32];
+    into.iridescence = iridescence.strength.factor;
+    into.iridescence_texture = place(&iridescence.strength.texture);
+    into.film_ior = iridescence.film_ior;
+    into.film_thickness = iridescence.thickness.factor;
+    into.film_thickness_texture = place(&iridescence.thickness.texture);
 }
 
 /// Mean luminance of the emission, positive wherever any texel emits, so that nothing that a path

@@ -1,9 +1,8 @@
 //! A mesh to triangles in the order of its hierarchy's leaves, and to words of vertex attributes.
 
 use super::PackError;
-use super::texture::textures_of;
 use crate::bvh::{self, Bounds, Hierarchy};
-use crate::scene::{self, Mesh, Model, Primitive};
+use crate::scene::{self, Mesh, Primitive};
 use crate::shared::{LAYOUT_COLOR, LAYOUT_TANGENT, LAYOUT_TEXCOORDS_SHIFT, Triangle};
 use glam::Vec3A;
 
@@ -76,14 +75,10 @@ struct Layout {
 
 impl Layout {
     fn of(primitive: &Primitive, material: &scene::Material) -> Self {
-        // The lecture's models may have lobes that are longer in one direction.
-        let reads_tangent =
-            material.normal_texture.is_some() || matches!(material.model, Model::Bsdf { .. });
-        let sets_read = textures_of(material).map(|texture| texture.texcoord + 1);
         Self {
-            tangent: reads_tangent && primitive.tangents.is_some(),
+            tangent: material.tangent_source().is_some() && primitive.tangents.is_some(),
             color: primitive.colors.is_some(),
-            texcoords: sets_read.max().unwrap_or(0).min(primitive.texcoords.len()),
+            texcoords: material.texcoord_count().min(primitive.texcoords.len()),
         }
     }
 

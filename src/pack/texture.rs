@@ -31,7 +31,7 @@ impl Textures {
         let mut images: Vec<(usize, bool)> = scene
             .materials
             .iter()
-            .flat_map(textures_of)
+            .flat_map(scene::Material::textures)
             .map(|texture| (texture.image, texture.srgb))
             .collect();
         images.sort_unstable();
@@ -91,29 +91,6 @@ impl Textures {
             .and_then(|t| self.images.get(&(t.image, t.srgb)))
             .map_or(DVec4::ONE, |image| image.mean)
     }
-}
-
-/// All textures of a material.
-pub fn textures_of(material: &scene::Material) -> impl Iterator<Item = &scene::Texture> {
-    let (base_color, metallic_roughness) = match &material.model {
-        scene::Model::MetallicRoughness(m) => {
-            (&m.base_color_texture, m.metallic_roughness_texture.as_ref())
-        }
-        scene::Model::Unlit {
-            base_color_texture, ..
-        }
-        | scene::Model::Bsdf {
-            base_color_texture, ..
-        } => (base_color_texture, None),
-    };
-    [
-        base_color.as_ref(),
-        metallic_roughness,
-        material.normal_texture.as_ref(),
-        material.emissive_texture.as_ref(),
-    ]
-    .into_iter()
-    .flatten()
 }
 
 /// The words of an image, and where it will stand but for the place. Eight bits a channel stay as

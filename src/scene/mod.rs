@@ -4,9 +4,16 @@
 //! Right-handed, y up, metres, radians; colours linear Rec. 709; light in radiometric units.
 
 pub mod bsdf_model;
+pub mod extensions;
+pub mod material;
 pub mod metals;
 
-use bsdf_model::BsdfModel;
+pub use extensions::Extensions;
+pub use material::{
+    AlphaMode, Filter, Material, MetallicRoughness, Model, SpecularGlossiness, Texture, Textured,
+    Wrap,
+};
+
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// A scene that has been checked: indices are in range, numbers are finite, sizes agree.
@@ -54,86 +61,6 @@ pub struct Instance {
     pub world_from_object: Affine3A,
     /// Running number of the glTF node.
     pub node: usize,
-}
-
-#[derive(Clone, Debug)]
-pub struct Material {
-    pub name: String,
-    pub model: Model,
-    pub alpha_mode: AlphaMode,
-    pub double_sided: bool,
-    /// Radiance, KHR_materials_emissive_strength included.
-    pub emissive: Vec3,
-    pub emissive_texture: Option<Texture>,
-    pub normal_texture: Option<Texture>,
-    pub normal_scale: f32,
-}
-
-/// How a surface reflects.
-#[derive(Clone, Debug)]
-pub enum Model {
-    /// glTF 2.0 section 3.9.2.
-    MetallicRoughness(MetallicRoughness),
-    /// KHR_materials_unlit: shows base colour, meets no light.
-    Unlit {
-        base_color: Vec4,
-        base_color_texture: Option<Texture>,
-    },
-    /// SNELL_materials_bsdf: one of the lecture's models. Base colour's alpha and texture apply.
-    Bsdf {
-        bsdf: BsdfModel,
-        base_color: Vec4,
-        base_color_texture: Option<Texture>,
-    },
-}
-
-#[derive(Clone, Debug)]
-pub struct MetallicRoughness {
-    pub base_color: Vec4,
-    pub base_color_texture: Option<Texture>,
-    pub metallic: f32,
-    pub roughness: f32,
-    /// Green is roughness, blue is metallic.
-    pub metallic_roughness_texture: Option<Texture>,
-    /// KHR_materials_ior; 1.5 where the file says nothing.
-    pub ior: f32,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AlphaMode {
-    Opaque,
-    Mask { cutoff: f32 },
-    Blend,
-}
-
-/// An image as a material uses it.
-#[derive(Clone, Debug)]
-pub struct Texture {
-    /// Index into `Scene::images`.
-    pub image: usize,
-    /// Base colour and emissive images are sRGB-encoded, all others linear (glTF 2.0 section 3.9.2).
-    pub srgb: bool,
-    pub wrap_s: Wrap,
-    pub wrap_t: Wrap,
-    pub filter: Filter,
-    /// Which set of texture coordinates.
-    pub texcoord: usize,
-    /// KHR_texture_transform as two rows: u' = rows[0] . (u, v, 1), v' = rows[1] . (u, v, 1).
-    pub rows: [Vec3; 2],
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wrap {
-    Repeat,
-    Clamp,
-    Mirror,
-}
-
-/// Magnification; minification is left to the pixel samples, which are never fewer than one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Filter {
-    Nearest,
-    Linear,
 }
 
 /// Pixels as decoded, row 0 on top, four channels.

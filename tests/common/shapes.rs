@@ -61,6 +61,7 @@ pub fn material() -> Material {
             roughness: 0.5,
             metallic_roughness_texture: None,
             ior: 1.5,
+            extensions: Box::default(),
         }),
         alpha_mode: AlphaMode::Opaque,
         double_sided: true,

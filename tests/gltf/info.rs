@@ -15,7 +15,7 @@ fn text_and_json() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.glb");
     let mut asset = Asset::triangle().with_material(json!({
-        "name": "paint", "extensions": {"KHR_materials_sheen": {}}
+        "name": "paint", "extensions": {"KHR_materials_retroreflection": {}}
     }));
     asset.push("animations", json!({"channels": [], "samplers": []}));
     asset.save_glb(&path);
@@ -24,7 +24,7 @@ fn text_and_json() {
     assert!(output.status.success() && output.stderr.is_empty());
     for words in [
         "1 triangles in 1 instances",
-        "KHR_materials_sheen, ignored",
+        "KHR_materials_retroreflection, ignored: light is not sent back",
         "not played",
     ] {
         assert!(text.contains(words), "{text}");

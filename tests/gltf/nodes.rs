@@ -133,7 +133,7 @@ fn extensions_are_listed() {
     assert_eq!(
         entries,
         [
-            ("KHR_materials_clearcoat", false, Treatment::Ignored, 0),
+            ("KHR_materials_clearcoat", false, Treatment::Supported, 0),
             ("KHR_mesh_quantization", true, Treatment::Supported, 0),
             ("VENDOR_other", false, Treatment::Ignored, 1),
             ("VENDOR_thing", false, Treatment::Ignored, 0),
