@@ -3,6 +3,7 @@
 
 use super::device::{Fault, Gpu};
 use crate::pack::Packed;
+use crate::shared::Material;
 use thiserror::Error;
 
 /// Group 0, in the order of its bindings.
@@ -34,7 +35,7 @@ pub enum UploadError {
 }
 
 /// A binding may not be empty; this covers one element of the largest structure.
-const SMALLEST_BUFFER: u64 = 1024;
+const SMALLEST_BUFFER: u64 = size_of::<Material>() as u64;
 
 impl Scene {
     /// Checks every size against the device's limits before anything is allocated.
