@@ -19,6 +19,8 @@ pub enum MaterialError {
     Json(String),
     #[error(transparent)]
     Model(#[from] ModelError),
+    #[error("the extension `{0}` is not supported")]
+    Extension(String),
     #[error("{}{what}", place(at))]
     Gltf {
         /// Where in the material object; empty for the whole.
@@ -39,6 +41,7 @@ impl From<GltfError> for MaterialError {
     fn from(error: GltfError) -> Self {
         match error {
             GltfError::Invalid { at, what, .. } => Self::Gltf { at, what },
+            GltfError::UnsupportedExtension { name, .. } => Self::Extension(name),
             other => Self::Json(other.to_string()),
         }
     }

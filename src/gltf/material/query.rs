@@ -23,8 +23,7 @@ impl<'a> Policy<'a> for Strict {
     }
 }
 
-/// Reads a glTF material object that stands alone. Errors are `GltfError::Invalid` with the place in
-/// the object.
+/// Reads a glTF material object that stands alone. Errors tell the place in the object.
 pub fn material_of_query(value: &Value) -> Result<Material, GltfError> {
     const OTHERS: [&str; 4] = [
         "KHR_materials_emissive_strength",
@@ -46,7 +45,7 @@ pub fn material_of_query(value: &Value) -> Result<Material, GltfError> {
             .flat_map(|all| all.keys())
         {
             if !EXTENSIONS.contains(&name.as_str()) && !OTHERS.contains(&name.as_str()) {
-                return Err(extensions.invalid(format!("`{name}` is not supported")));
+                return Err(extensions.unsupported_extension(name));
             }
         }
     }
