@@ -82,8 +82,9 @@ const BACKGROUND_ENVIRONMENT: u32 = 0u;
 const BACKGROUND_COLOR: u32 = 1u;
 const BACKGROUND_TRANSPARENT: u32 = 2u;
 
-// Sides of the table of directional albedo, `Tables.albedo` (cosine x roughness).
-const ALBEDO_TABLE_SIZE: u32 = 32u;
+// The axes of the table of directional albedo, `Tables.albedo`.
+const ALBEDO_COSINES: u32 = 48u;
+const ALBEDO_ROUGHNESSES: u32 = 40u;
 // The axes of `Tables.albedo_dielectric`, and the largest index ratio on them; the smallest is its inverse.
 const ALBEDO_DIELECTRIC_COSINES: u32 = 24u;
 const ALBEDO_DIELECTRIC_ROUGHNESSES: u32 = 18u;
@@ -143,10 +144,11 @@ struct Frame {
 // Tables that reflection models look up. A uniform, made at start-up by src/tables.rs.
 struct Tables {
     // Directional albedo of the single-scattering GGX lobe with Schlick's Fresnel, split so that
-    // E(cos, roughness) = F0 * x + F90 * y; entry [roughness][cosine], two entries in a vec4.
-    albedo: array<vec4<f32>, 512>,
-    // Hemispherical average of the same, 2 * integral of E * cos; entry [roughness].
-    albedo_average: array<vec4<f32>, 16>,
+    // E(cos, roughness) = F0 * x + F90 * y: 16-bit fractions of 1, x in the low half; entry
+    // [roughness][cosine], four entries in a vec4.
+    albedo: array<vec4<u32>, 480>,
+    // Hemispherical average of the same, 2 * integral of E * cos; entry [roughness], two in a vec4.
+    albedo_average: array<vec4<f32>, 20>,
     // Energy that a rough dielectric boundary reflects (low 16 bits) and reflects or transmits (high), as
     // fractions of 65535, single scattering; entry [roughness][cosine][eta], four entries in a vec4.
     albedo_dielectric: array<vec4<u32>, 2268>,

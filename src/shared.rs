@@ -60,7 +60,8 @@ pub const CAMERA_ORTHOGRAPHIC: u32 = 1;
 pub const BACKGROUND_ENVIRONMENT: u32 = 0;
 pub const BACKGROUND_COLOR: u32 = 1;
 pub const BACKGROUND_TRANSPARENT: u32 = 2;
-pub const ALBEDO_TABLE_SIZE: u32 = 32;
+pub const ALBEDO_COSINES: u32 = 48;
+pub const ALBEDO_ROUGHNESSES: u32 = 40;
 pub const ALBEDO_DIELECTRIC_COSINES: u32 = 24;
 pub const ALBEDO_DIELECTRIC_ROUGHNESSES: u32 = 18;
 pub const ALBEDO_DIELECTRIC_ETAS: u32 = 21;
@@ -120,8 +121,8 @@ pub struct Frame {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Tables {
-    pub albedo: [[f32; 4]; 512],
-    pub albedo_average: [[f32; 4]; 16],
+    pub albedo: [[u32; 4]; 480],
+    pub albedo_average: [[f32; 4]; 20],
     pub albedo_dielectric: [[u32; 4]; 2268],
     pub albedo_average_dielectric: [[f32; 4]; 189],
     pub albedo_sheen: [[u32; 4]; 128],

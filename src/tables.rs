@@ -3,30 +3,32 @@
 //! here is the directional albedo of the single-scattering GGX lobe, E = F0 x + F90 y, as pairs (x, y).
 //!
 //! The lobe is isotropic GGX, alpha = roughness^2, Smith's height-correlated masking, Schlick's
-//! Fresnel. Axes, N = `ALBEDO_TABLE_SIZE`, both with their ends on the grid:
-//! - rows: glTF roughness `j / (N - 1)`;
-//! - columns: `albedo_coordinate(cos, roughness) = i / (N - 1)`, a warp of the cosine that follows the
-//!   lobe's own dip at cos ~ alpha (a plain cosine axis errs by 0.11 there).
+//! Fresnel. Axes, both with their ends on the grid:
+//! - rows: glTF roughness `j / (ROUGHNESSES - 1)`;
+//! - columns: `albedo_coordinate(cos, roughness) = i / (COSINES - 1)`, a warp of the cosine that follows
+//!   the lobe's own dip at cos ~ alpha (a plain cosine axis errs by 0.11 there).
 //!
-//! Pair number `j * N + i`; two pairs lie in a `vec4`. A lookup is bilinear, at
-//! `(N - 1) * (albedo_coordinate(cos, roughness), roughness)` with indices clamped; the coordinate is
-//! taken at the roughness asked for, not at the rows'. The averages, pair `j`, are linear in roughness.
+//! Entry number `j * COSINES + i` is a pair of 16-bit fractions of 1, x in the low half. A lookup is
+//! bilinear with indices clamped; the column is taken at the roughness asked for, not at the rows'. The
+//! averages, pair `j`, are those of the lookup, and linear in roughness.
 //!
 //! The entries stand a margin above the truth, so that what is interpolated between them is never below
 //! it, for any F0, from the roughest lobe down to `ALPHA_SMOOTH`: what a model makes of 1 - E or 1 / E
-//! then never makes energy. E is at most 0.012 above; it is capped at 1, which leaves up to 0.001
-//! too little at cosines under 0.02.
+//! then never makes energy. E is at most 0.004 above, 0.007 where roughness is below 0.2; it is capped at
+//! 1, which leaves up to 0.001 too little at cosines under 0.02.
 
 pub mod dielectric;
 pub mod film;
 pub mod sheen;
 
-use crate::shared::{ALBEDO_TABLE_SIZE, Tables};
+use crate::cpu::bsdf::albedo;
+use crate::shared::{ALBEDO_COSINES, ALBEDO_ROUGHNESSES, Tables};
 use bytemuck::Zeroable;
+use glam::DVec2;
 use rayon::prelude::*;
 
-/// Side of the tables.
-const N: usize = ALBEDO_TABLE_SIZE as usize;
+const COSINES: usize = ALBEDO_COSINES as usize;
+const ROUGHNESSES: usize = ALBEDO_ROUGHNESSES as usize;
 
 /// Midpoints in azimuth over half a turn; the integrand is even and periodic, so they converge fast.
 const AZIMUTHS: usize = 24;
@@ -34,16 +36,28 @@ const AZIMUTHS: usize = 24;
 /// Nodes in elevation.
 const ELEVATIONS: usize = 20;
 
-/// Nodes of the average over the cosine.
-const AVERAGE_NODES: usize = 12;
+/// Nodes of an average inside one cell of the cosine.
+const CELL_NODES: usize = 3;
 
 /// Steps that find the horizon (the integrand vanishes there, so few digits do) and the cosines.
 const BISECTIONS: usize = 16;
 
 /// What linear interpolation lacks at most of x + y and of y, relative to the value. E is linear in F0
 /// between y and x + y, so what holds for both holds for every F0. `tests/tables.rs` checks it.
-const MARGIN_SUM: f64 = 0.003;
-const MARGIN_WHITE: f64 = 0.0095;
+struct Margin {
+    sum: f64,
+    white: f64,
+}
+const MARGIN: Margin = Margin {
+    sum: 0.0018,
+    white: 0.0028,
+};
+/// The same of rows below roughness `NARROW`, whose dip is steeper than the columns follow.
+const MARGIN_NARROW: Margin = Margin {
+    sum: 0.002,
+    white: 0.0045,
+};
+const NARROW: f64 = 0.22;
 
 /// Row 0 is made at this roughness, where the lobe is a mirror for every purpose but keeps its shape
 /// in the warped cosine; models never ask for less than the square root of `ALPHA_SMOOTH`.
@@ -82,24 +96,55 @@ pub fn tables_for(needs: Needs) -> Box<Tables> {
 
 fn fill_ggx(tables: &mut Tables) {
     let rule = gauss_legendre(ELEVATIONS);
-    let averaging = gauss_legendre(AVERAGE_NODES);
-    let rows: Vec<_> = (0..N)
+    let row_roughness = |j| grid(j, ROUGHNESSES).max(ROUGHNESS_FLOOR);
+    let rows: Vec<[u32; COSINES]> = (0..ROUGHNESSES)
         .into_par_iter()
         .map(|j| {
-            let roughness = grid(j, N).max(ROUGHNESS_FLOOR);
-            let row: [[f64; 2]; N] = std::array::from_fn(|i| {
-                let cos = cosine_of(grid(i, N), roughness);
-                raise(albedo_ggx(cos, roughness, &rule))
-            });
-            (row, average_ggx(roughness, &rule, &averaging))
+            let roughness = row_roughness(j);
+            let margin = if roughness < NARROW {
+                MARGIN_NARROW
+            } else {
+                MARGIN
+            };
+            std::array::from_fn(|i| {
+                let cos = cosine_of(grid(i, COSINES), roughness);
+                unorm16x2(raise(albedo_ggx(cos, roughness, &rule), &margin))
+            })
         })
         .collect();
-    for (j, (row, average)) in rows.iter().enumerate() {
-        for (i, pair) in row.iter().enumerate() {
-            write_pair(&mut tables.albedo, j * N + i, *pair);
-        }
-        write_pair(&mut tables.albedo_average, j, *average);
+    for (index, pair) in rows.iter().flatten().enumerate() {
+        tables.albedo[index / 4][index % 4] = *pair;
     }
+    // Averages of the lookups, interpolation and margins included: what a model puts back of 1 - E then
+    // adds up to 1 - E.
+    let rule = gauss_legendre(CELL_NODES);
+    for j in 0..ROUGHNESSES {
+        let roughness = row_roughness(j);
+        let average = hemispherical_average(roughness, COSINES, &rule, |cos| {
+            albedo::albedo_ggx(tables, cos, roughness, false)
+        });
+        write_pair(&mut tables.albedo_average, j, average);
+    }
+}
+
+/// 2 * integral of E cos over cos, cell by cell of the columns at this roughness.
+fn hemispherical_average(
+    roughness: f64,
+    columns: usize,
+    rule: &[(f64, f64)],
+    albedo: impl Fn(f64) -> DVec2,
+) -> [f64; 2] {
+    let mut sum = DVec2::ZERO;
+    let mut low = 0.0;
+    for column in 1..columns {
+        let high = cosine_of(grid(column, columns), roughness);
+        for &(node, weight) in rule {
+            let cos = low + (high - low) * node;
+            sum += 2.0 * weight * (high - low) * cos * albedo(cos);
+        }
+        low = high;
+    }
+    sum.to_array()
 }
 
 /// Node number `index` of `count` on an axis from 0 to 1.
@@ -120,9 +165,9 @@ fn write_pair(table: &mut [[f32; 4]], index: usize, pair: [f64; 2]) {
 }
 
 /// Adds the margins without passing 1.
-fn raise([x, y]: [f64; 2]) -> [f64; 2] {
-    let sum = (1.0_f64).min((1.0 + MARGIN_SUM) * (x + y));
-    let white = sum.min((1.0 + MARGIN_WHITE) * y);
+fn raise([x, y]: [f64; 2], margin: &Margin) -> [f64; 2] {
+    let sum = (1.0_f64).min((1.0 + margin.sum) * (x + y));
+    let white = sum.min((1.0 + margin.white) * y);
     [sum - white, white]
 }
 
@@ -145,19 +190,6 @@ fn cosine_of(coordinate: f64, roughness: f64) -> f64 {
         albedo_coordinate(root * root, roughness) < coordinate
     })
     .powi(2)
-}
-
-/// Hemispherical average of the pair, 2 * integral of E cos over cos.
-fn average_ggx(roughness: f64, rule: &[(f64, f64)], averaging: &[(f64, f64)]) -> [f64; 2] {
-    let mut sum = [0.0; 2];
-    for &(root, weight) in averaging {
-        // cos = root^2, so that nodes crowd at grazing angles.
-        let pair = albedo_ggx(root * root, roughness, rule);
-        for k in 0..2 {
-            sum[k] += 4.0 * weight * root.powi(3) * pair[k];
-        }
-    }
-    sum
 }
 
 /// The pair (x, y) with E = F0 x + F90 y of the GGX lobe seen at `cos_o`; `rule` is the

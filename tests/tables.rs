@@ -17,31 +17,9 @@ use snell::cpu::bsdf::lobe::ALPHA_SMOOTH;
 use snell::cpu::bsdf::sheen::f_sheen;
 use snell::cpu::bsdf::specular::{reflection_direction, refraction_direction};
 use snell::cpu::bsdf::torrance_sparrow::facet_sample;
-use snell::shared::{ALBEDO_TABLE_SIZE, DISTRIBUTION_GGX, Tables};
-use snell::tables::{
-    Needs, albedo_coordinate, albedo_ggx as quadrature_ggx, gauss_legendre, tables, tables_for,
-};
+use snell::shared::{DISTRIBUTION_GGX, Tables};
+use snell::tables::{Needs, albedo_ggx as quadrature_ggx, gauss_legendre, tables, tables_for};
 use subjects::{direction, glass};
-
-const N: usize = ALBEDO_TABLE_SIZE as usize;
-
-fn pair(table: &[[f32; 4]], index: usize) -> [f64; 2] {
-    let half = 2 * (index % 2);
-    [table[index / 2][half], table[index / 2][half + 1]].map(f64::from)
-}
-
-/// The lookup that the documentation of `tables` describes.
-fn look_up(tables: &Tables, cos: f64, roughness: f64) -> [f64; 2] {
-    let x = albedo_coordinate(cos, roughness) * (N - 1) as f64;
-    let y = roughness * (N - 1) as f64;
-    let (i, j) = ((x as usize).min(N - 2), (y as usize).min(N - 2));
-    let (s, t) = (x - i as f64, y - j as f64);
-    let at = |i: usize, j: usize| pair(&tables.albedo, j * N + i);
-    std::array::from_fn(|k| {
-        (at(i, j)[k] * (1.0 - s) + at(i + 1, j)[k] * s) * (1.0 - t)
-            + (at(i, j + 1)[k] * (1.0 - s) + at(i + 1, j + 1)[k] * s) * t
-    })
-}
 
 /// The lobe's albedo by a plain sum over directions: no visible normals, no closed-form masking
 /// ratio, nothing shared with the code under test.
@@ -114,52 +92,48 @@ fn limits_are_those_of_a_mirror() {
 /// Interpolated values must not be below the truth (compensation divides by them), nor far above.
 #[test]
 fn interpolation_stays_just_above_the_truth() {
-    let tables = tables();
+    let tables = tables_for(Needs::default());
     let fine = gauss_legendre(64);
-    let smooth = 1e-3_f64.sqrt(); // below it models are perfect mirrors
+    let smooth = ALPHA_SMOOTH.sqrt();
+    let mut highest = [0.0_f64; 2];
     for j in 0..=80 {
         let roughness = smooth + (1.0 - smooth) * j as f64 / 80.0;
+        let narrow = usize::from(roughness * roughness < 0.05);
         for i in 0..=160 {
             let cos = (i as f64 / 160.0).powi(2);
             let [x, y] = quadrature_ggx(cos, roughness, &fine);
-            let [tx, ty] = look_up(&tables, cos, roughness);
+            let E = albedo_ggx(&tables, cos, roughness, false);
             for F0 in [0.0, 0.04, 0.5, 1.0] {
-                let (table, truth) = (F0 * tx + ty, F0 * x + y);
-                // At the very edge the cap at 1 leaves a little to wish for.
-                let lowest = truth - if cos < 0.02 { 1e-3 } else { 1e-6 };
+                let (table, truth) = (F0 * E.x + E.y, F0 * x + y);
+                // At the very edge the cap at 1 leaves a little to wish for; 16 bits round.
+                let lowest = truth - if cos < 0.02 { 1e-3 } else { 2e-5 };
+                highest[narrow] = highest[narrow].max(table - truth);
                 assert!(
-                    (lowest..truth + 0.012).contains(&table),
+                    (lowest..truth + [0.004, 0.007][narrow]).contains(&table),
                     "cos {cos} roughness {roughness} F0 {F0}: table {table}, truth {truth}"
                 );
             }
         }
     }
+    println!("at most {highest:?} above");
 }
 
+/// Weighed by (1 - E) / (1 - average), what the lobe misses comes back as a whole, between rows too.
 #[test]
-fn averages_are_those_of_the_albedo() {
-    let tables = tables();
-    let rule = gauss_legendre(24);
-    for j in 1..N {
-        let roughness = j as f64 / (N - 1) as f64;
-        let mut sum = [0.0; 2];
-        for k in 0..400 {
-            let cos = (k as f64 + 0.5) / 400.0;
-            let [x, y] = quadrature_ggx(cos, roughness, &rule);
-            sum[0] += 2.0 * cos * x / 400.0;
-            sum[1] += 2.0 * cos * y / 400.0;
+fn averages_close_the_furnace() {
+    let tables = tables_for(Needs::default());
+    for j in 0..=50 {
+        let roughness = 0.05 + 0.95 * j as f64 / 50.0;
+        let average = albedo_average_ggx(&tables, roughness, false);
+        let mut sum = DVec2::ZERO;
+        for k in 0..2000 {
+            let cos = (k as f64 + 0.5) / 2000.0;
+            sum += cos / 1000.0 * albedo_ggx(&tables, cos, roughness, false);
         }
-        let [x, y] = pair(&tables.albedo_average, j);
-        assert!(
-            (x - sum[0]).abs() < 2e-4,
-            "roughness {roughness}: {x} is not {}",
-            sum[0]
-        );
-        assert!(
-            (y - sum[1]).abs() < 2e-4,
-            "roughness {roughness}: {y} is not {}",
-            sum[1]
-        );
+        for F0 in [0.0, 0.04, 0.5, 1.0] {
+            let gap = F0 * (average.x - sum.x) + average.y - sum.y;
+            assert!(gap.abs() < 3e-4, "roughness {roughness} F0 {F0}: {gap}");
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 // Directional albedo of lobes, looked up in the tables that src/tables.rs makes.
 
-import package::shared::{ALBEDO_TABLE_SIZE, ALBEDO_DIELECTRIC_COSINES, ALBEDO_DIELECTRIC_ROUGHNESSES, ALBEDO_DIELECTRIC_ETAS, ETA_MAX, ALBEDO_SHEEN_SIZE, ALBEDO_SHEEN_MAX};
+import package::shared::{ALBEDO_COSINES, ALBEDO_ROUGHNESSES, ALBEDO_DIELECTRIC_COSINES, ALBEDO_DIELECTRIC_ROUGHNESSES, ALBEDO_DIELECTRIC_ETAS, ETA_MAX, ALBEDO_SHEEN_SIZE, ALBEDO_SHEEN_MAX};
 import package::bindings::{tables};
 import package::math::{log_accurate, log1p_accurate};
 import package::bsdf::lobe::{MIN_COS, ALPHA_SMOOTH, ETA_MATCHED};
@@ -24,9 +24,13 @@ fn albedo_column(cos_theta: f32, roughness: f32) -> f32 {
 }
 
 fn albedo_entry(row: u32, column: u32) -> vec2<f32> {
-    let index = row * ALBEDO_TABLE_SIZE + column;
-    let pair = tables.albedo[index / 2u];
-    return select(pair.xy, pair.zw, (index & 1u) == 1u);
+    let index = row * ALBEDO_COSINES + column;
+    return unorm16_pair(tables.albedo[index / 4u][index % 4u]);
+}
+
+// The two fractions of 1 in a word, the low half first.
+fn unorm16_pair(word: u32) -> vec2<f32> {
+    return vec2(f32(word & 0xffffu), f32(word >> 16u)) / 65535.0;
 }
 
 fn albedo_average_entry(row: u32) -> vec2<f32> {
@@ -40,11 +44,12 @@ fn albedo_ggx(cos_theta: f32, roughness: f32, smooth_lobe: bool) -> vec2<f32> {
         let white = schlick_weight(cos_theta);
         return vec2(1.0 - white, white);
     }
-    let last = f32(ALBEDO_TABLE_SIZE - 1u);
-    let x = clamp(albedo_column(clamp(cos_theta, MIN_COS, 1.0), roughness), 0.0, 1.0) * last;
-    let y = clamp(roughness, 0.0, 1.0) * last;
-    let column = u32(min(floor(x), last - 1.0));
-    let row = u32(min(floor(y), last - 1.0));
+    let last_column = f32(ALBEDO_COSINES - 1u);
+    let last_row = f32(ALBEDO_ROUGHNESSES - 1u);
+    let x = clamp(albedo_column(clamp(cos_theta, MIN_COS, 1.0), roughness), 0.0, 1.0) * last_column;
+    let y = clamp(roughness, 0.0, 1.0) * last_row;
+    let column = u32(min(floor(x), last_column - 1.0));
+    let row = u32(min(floor(y), last_row - 1.0));
     let s = x - f32(column);
     let t = y - f32(row);
     let below = mix(albedo_entry(row, column), albedo_entry(row, column + 1u), s);
@@ -58,7 +63,7 @@ fn albedo_average_ggx(roughness: f32, smooth_lobe: bool) -> vec2<f32> {
         // 2 * integral of (1 - c)^5 c dc = 1 / 21.
         return vec2(20.0 / 21.0, 1.0 / 21.0);
     }
-    let last = f32(ALBEDO_TABLE_SIZE - 1u);
+    let last = f32(ALBEDO_ROUGHNESSES - 1u);
     let y = clamp(roughness, 0.0, 1.0) * last;
     let row = u32(min(floor(y), last - 1.0));
     return mix(albedo_average_entry(row), albedo_average_entry(row + 1u), y - f32(row));
@@ -94,8 +99,7 @@ fn eta_stencil(coordinate: f32) -> EtaStencil {
 
 fn albedo_dielectric_entry(row: u32, column: u32, node: u32) -> vec2<f32> {
     let index = (row * ALBEDO_DIELECTRIC_COSINES + column) * ALBEDO_DIELECTRIC_ETAS + node;
-    let pair = tables.albedo_dielectric[index / 4u][index % 4u];
-    return vec2(f32(pair & 0xffffu), f32(pair >> 16u)) / 65535.0;
+    return unorm16_pair(tables.albedo_dielectric[index / 4u][index % 4u]);
 }
 
 // The row of the dielectric tables at one column, interpolated in eta.
@@ -163,8 +167,8 @@ fn albedo_average_dielectric(roughness: f32, eta: f32) -> vec2<f32> {
 
 fn albedo_sheen_entry(row: u32, column: u32) -> f32 {
     let index = row * ALBEDO_SHEEN_SIZE + column;
-    let pair = tables.albedo_sheen[index / 8u][index / 2u % 4u];
-    return f32(select(pair & 0xffffu, pair >> 16u, (index & 1u) == 1u)) * (ALBEDO_SHEEN_MAX / 65535.0);
+    let pair = unorm16_pair(tables.albedo_sheen[index / 8u][index / 2u % 4u]);
+    return select(pair.x, pair.y, (index & 1u) == 1u) * ALBEDO_SHEEN_MAX;
 }
 
 // What the white layer of KHR_materials_sheen reflects. At grazing views the extension's lobe returns

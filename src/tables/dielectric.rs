@@ -6,14 +6,16 @@
 //! pair of 16-bit fractions of 1: reflected (low half), reflected and transmitted. Lookups are bilinear
 //! in cosine and roughness and cubic in eta; `tests/tables.rs` bounds what that costs.
 
-use super::{cosine_of, gauss_legendre, grid, masking_ratio, unorm16x2, write_pair};
+use super::{
+    CELL_NODES, cosine_of, gauss_legendre, grid, hemispherical_average, masking_ratio, unorm16x2,
+    write_pair,
+};
 use crate::cpu::bsdf::albedo::{ALBEDO_AVERAGE_COS, ETA_LAYER, look_up_dielectric};
 use crate::cpu::bsdf::lobe::ALPHA_SMOOTH;
 use crate::shared::{
     ALBEDO_DIELECTRIC_COSINES, ALBEDO_DIELECTRIC_ETAS, ALBEDO_DIELECTRIC_ROUGHNESSES, ETA_MAX,
     Tables,
 };
-use glam::DVec2;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -27,9 +29,6 @@ const ETAS: usize = ALBEDO_DIELECTRIC_ETAS as usize;
 /// spoil rules of Gauss; the lattice errs by 1e-3 at most, 3e-4 root mean square.
 const FACETS: usize = 1597;
 const FACETS_GENERATOR: usize = 987;
-
-/// Nodes of the average inside one cell of the cosine.
-const CELL_NODES: usize = 3;
 
 /// Inverse of `eta_column`.
 fn eta_of(cos: f64, roughness: f64, coordinate: f64) -> f64 {
@@ -66,28 +65,14 @@ pub fn fill(tables: &mut Tables) {
         .map(|index| {
             let roughness = grid(index / ETAS, ROUGHNESSES).max(ALPHA_SMOOTH.sqrt());
             let eta = eta_of(ALBEDO_AVERAGE_COS, roughness, grid(index % ETAS, ETAS));
-            average(made, roughness, eta, &rule)
+            hemispherical_average(roughness, COSINES, &rule, |cos| {
+                look_up_dielectric(made, cos, roughness, eta)
+            })
         })
         .collect();
     for (index, pair) in averages.iter().enumerate() {
         write_pair(&mut tables.albedo_average_dielectric, index, *pair);
     }
-}
-
-/// Hemispherical average of the lookup, 2 * integral of E cos over cos.
-fn average(tables: &Tables, roughness: f64, eta: f64, rule: &[(f64, f64)]) -> [f64; 2] {
-    let mut sum = DVec2::ZERO;
-    let mut low = 0.0;
-    for cell in 1..COSINES {
-        let high = cosine_of(grid(cell, COSINES), roughness);
-        for &(node, weight) in rule {
-            let cos = low + (high - low) * node;
-            let albedo = look_up_dielectric(tables, cos, roughness, eta);
-            sum += 2.0 * weight * (high - low) * cos * albedo;
-        }
-        low = high;
-    }
-    sum.to_array()
 }
 
 /// Energy (reflected, reflected and transmitted) for each index ratio, seen at `cos_o`, summed over

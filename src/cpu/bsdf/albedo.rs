@@ -4,8 +4,9 @@ use super::fresnel::{F_dielectric, schlick_weight};
 use super::lobe::{ALPHA_SMOOTH, ETA_MATCHED, MIN_COS};
 use crate::cpu::math::{log_accurate, log1p_accurate};
 use crate::shared::{
-    ALBEDO_DIELECTRIC_COSINES, ALBEDO_DIELECTRIC_ETAS, ALBEDO_DIELECTRIC_ROUGHNESSES,
-    ALBEDO_SHEEN_MAX, ALBEDO_SHEEN_SIZE, ALBEDO_TABLE_SIZE, ETA_MAX, Tables,
+    ALBEDO_COSINES, ALBEDO_DIELECTRIC_COSINES, ALBEDO_DIELECTRIC_ETAS,
+    ALBEDO_DIELECTRIC_ROUGHNESSES, ALBEDO_ROUGHNESSES, ALBEDO_SHEEN_MAX, ALBEDO_SHEEN_SIZE,
+    ETA_MAX, Tables,
 };
 use crate::tables::albedo_coordinate;
 use glam::{DVec2, DVec4, FloatExt};
@@ -28,7 +29,13 @@ pub fn albedo_column(cos_theta: f64, roughness: f64) -> f64 {
 }
 
 pub fn albedo_entry(tables: &Tables, row: u32, column: u32) -> DVec2 {
-    pair_of(&tables.albedo, row * ALBEDO_TABLE_SIZE + column)
+    let index = (row * ALBEDO_COSINES + column) as usize;
+    unorm16_pair(tables.albedo[index / 4][index % 4])
+}
+
+/// The two fractions of 1 in a word, the low half first.
+pub fn unorm16_pair(word: u32) -> DVec2 {
+    DVec2::new(f64::from(word & 0xffff), f64::from(word >> 16)) / 65535.0
 }
 
 pub fn albedo_average_entry(tables: &Tables, row: u32) -> DVec2 {
@@ -48,11 +55,12 @@ pub fn albedo_ggx(tables: &Tables, cos_theta: f64, roughness: f64, smooth_lobe: 
         let white = schlick_weight(cos_theta);
         return DVec2::new(1.0 - white, white);
     }
-    let last = f64::from(ALBEDO_TABLE_SIZE - 1);
-    let x = albedo_column(cos_theta.clamp(MIN_COS, 1.0), roughness).clamp(0.0, 1.0) * last;
-    let y = roughness.clamp(0.0, 1.0) * last;
-    let column = x.floor().min(last - 1.0) as u32;
-    let row = y.floor().min(last - 1.0) as u32;
+    let last_column = f64::from(ALBEDO_COSINES - 1);
+    let last_row = f64::from(ALBEDO_ROUGHNESSES - 1);
+    let x = albedo_column(cos_theta.clamp(MIN_COS, 1.0), roughness).clamp(0.0, 1.0) * last_column;
+    let y = roughness.clamp(0.0, 1.0) * last_row;
+    let column = x.floor().min(last_column - 1.0) as u32;
+    let row = y.floor().min(last_row - 1.0) as u32;
     let s = x - f64::from(column);
     let t = y - f64::from(row);
     let entry = |row, column| albedo_entry(tables, row, column);
@@ -67,7 +75,7 @@ pub fn albedo_average_ggx(tables: &Tables, roughness: f64, smooth_lobe: bool) ->
         // 2 * integral of (1 - c)^5 c dc = 1 / 21.
         return DVec2::new(20.0 / 21.0, 1.0 / 21.0);
     }
-    let last = f64::from(ALBEDO_TABLE_SIZE - 1);
+    let last = f64::from(ALBEDO_ROUGHNESSES - 1);
     let y = roughness.clamp(0.0, 1.0) * last;
     let row = y.floor().min(last - 1.0) as u32;
     let (below, above) = (
@@ -110,8 +118,7 @@ pub fn eta_stencil(coordinate: f64) -> EtaStencil {
 
 pub fn albedo_dielectric_entry(tables: &Tables, row: u32, column: u32, node: u32) -> DVec2 {
     let index = (row * ALBEDO_DIELECTRIC_COSINES + column) * ALBEDO_DIELECTRIC_ETAS + node;
-    let pair = tables.albedo_dielectric[index as usize / 4][index as usize % 4];
-    DVec2::new(f64::from(pair & 0xffff), f64::from(pair >> 16)) / 65535.0
+    unorm16_pair(tables.albedo_dielectric[index as usize / 4][index as usize % 4])
 }
 
 /// The row of the dielectric tables at one column, interpolated in eta.
@@ -188,13 +195,9 @@ pub fn albedo_average_dielectric(tables: &Tables, roughness: f64, eta: f64) -> D
 
 pub fn albedo_sheen_entry(tables: &Tables, row: u32, column: u32) -> f64 {
     let index = (row * ALBEDO_SHEEN_SIZE + column) as usize;
-    let pair = tables.albedo_sheen[index / 8][index / 2 % 4];
-    let part = if index % 2 == 1 {
-        pair >> 16
-    } else {
-        pair & 0xffff
-    };
-    f64::from(part) * (ALBEDO_SHEEN_MAX / 65535.0)
+    let pair = unorm16_pair(tables.albedo_sheen[index / 8][index / 2 % 4]);
+    let entry = if index % 2 == 1 { pair.y } else { pair.x };
+    entry * ALBEDO_SHEEN_MAX
 }
 
 /// What the white layer of KHR_materials_sheen reflects. At grazing views the extension's lobe returns
