@@ -174,7 +174,8 @@ fn lower_conductor(conductor: &Conductor) -> Result<([f32; 3], [f32; 3]), ModelE
     match (&conductor.metal, conductor.eta, conductor.k) {
         (Some(symbol), None, None) => {
             let metal = metals::metal(symbol).ok_or_else(|| ModelError::Metal(symbol.clone()))?;
-            Ok((metal.eta, metal.k))
+            let [eta, k] = metal.index();
+            Ok((eta, k))
         }
         (None, Some(eta), Some(k)) => {
             check_eta(&eta)?;

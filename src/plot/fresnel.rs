@@ -121,10 +121,11 @@ fn cos_degrees(angle: f64) -> f64 {
 impl FresnelFigure {
     /// A metal of the table.
     pub fn metal(metal: &Metal) -> Self {
+        let [eta, k] = metal.index().map(|channels| channels.map(f64::from));
         Self::Conductor {
-            name: format!("{} ({})", metal.symbol, metal.source),
-            eta: metal.eta.map(f64::from),
-            k: metal.k.map(f64::from),
+            name: format!("{} ({})", metal.symbol, metal.authors()),
+            eta,
+            k,
         }
     }
 

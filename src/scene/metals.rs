@@ -1,155 +1,160 @@
-//! Measured complex indices of refraction of metals, eta + i k.
-//!
-//! Each value is the published table interpolated linearly at three wavelengths, 630 nm for red,
-//! 532 nm for green and 465 nm for blue, close to where Rec. 709's primaries look pure. That is three
-//! lines of a spectrum, not an integral over it: hues are right, the last few percent are not.
-//!
-//! Sources: P. B. Johnson and R. W. Christy, "Optical constants of the noble metals", Phys. Rev. B 6
-//! (1972); the same, "Optical constants of transition metals: Ti, V, Cr, Mn, Fe, Co, Ni, and Pd",
-//! Phys. Rev. B 9 (1974); J. H. Weaver, C. G. Olson and D. W. Lynch, "Optical properties of crystalline
-//! tungsten", Phys. Rev. B 12 (1975); T. Inagaki, E. T. Arakawa and M. W. Williams, "Optical properties
-//! of liquid mercury", Phys. Rev. B 23 (1981); A. D. Rakić, "Algorithm for the determination of
-//! intrinsic optical constants of metal films: application to aluminum", Appl. Opt. 34 (1995). All as
-//! collected in the public-domain database of refractiveindex.info (M. N. Polyanskiy).
+//! Metals by name: measured spectra of the complex index eta + i k, and the index per channel that
+//! stands for them.
 
-/// A metal's index at red, green and blue.
+mod table;
+
+pub use table::METALS;
+
+use crate::cpu::bsdf::fresnel::F_conductor;
+use crate::spectrum;
+use glam::DVec3;
+
+/// A metal with its measured index relative to vacuum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metal {
     /// Chemical symbol.
     pub symbol: &'static str,
-    /// Real part of the index relative to vacuum.
-    pub eta: [f32; 3],
-    /// Imaginary part, the extinction coefficient.
-    pub k: [f32; 3],
-    /// Author and year of the measurement; titles stand above.
+    /// English name.
+    pub name: &'static str,
+    /// Authors, year, title and journal of the measurement.
     pub source: &'static str,
+    /// Rows of wavelength (nm, increasing), eta and k.
+    pub samples: &'static [[f64; 3]],
 }
-
-/// All metals known by name.
-#[allow(
-    clippy::approx_constant,
-    reason = "tungsten's green extinction happens to be e"
-)]
-pub const METALS: [Metal; 12] = [
-    Metal {
-        symbol: "Ag",
-        eta: [0.057, 0.054, 0.047],
-        k: [4.254, 3.429, 2.803],
-        source: "Johnson and Christy 1972",
-    },
-    Metal {
-        symbol: "Al",
-        eta: [1.430, 0.939, 0.686],
-        k: [7.508, 6.420, 5.635],
-        source: "Rakić 1995",
-    },
-    Metal {
-        symbol: "Au",
-        eta: [0.188, 0.544, 1.332],
-        k: [3.403, 2.231, 1.869],
-        source: "Johnson and Christy 1972",
-    },
-    Metal {
-        symbol: "Co",
-        eta: [2.209, 2.001, 1.789],
-        k: [4.160, 3.735, 3.371],
-        source: "Johnson and Christy 1974",
-    },
-    Metal {
-        symbol: "Cr",
-        eta: [3.145, 3.034, 2.456],
-        k: [3.312, 3.330, 3.210],
-        source: "Johnson and Christy 1974",
-    },
-    Metal {
-        symbol: "Cu",
-        eta: [0.275, 1.116, 1.247],
-        k: [3.373, 2.596, 2.456],
-        source: "Johnson and Christy 1972",
-    },
-    Metal {
-        symbol: "Fe",
-        eta: [2.892, 2.895, 2.646],
-        k: [3.065, 2.918, 2.805],
-        source: "Johnson and Christy 1974",
-    },
-    Metal {
-        symbol: "Hg",
-        eta: [1.965, 1.461, 1.131],
-        k: [5.213, 4.519, 3.990],
-        source: "Inagaki, Arakawa and Williams 1981",
-    },
-    Metal {
-        symbol: "Ni",
-        eta: [1.990, 1.877, 1.765],
-        k: [4.094, 3.495, 3.048],
-        source: "Johnson and Christy 1974",
-    },
-    Metal {
-        symbol: "Pd",
-        eta: [1.765, 1.598, 1.445],
-        k: [4.275, 3.743, 3.351],
-        source: "Johnson and Christy 1974",
-    },
-    Metal {
-        symbol: "Ti",
-        eta: [2.698, 2.479, 2.305],
-        k: [3.757, 3.351, 3.082],
-        source: "Johnson and Christy 1974",
-    },
-    Metal {
-        symbol: "W",
-        eta: [3.617, 3.495, 3.325],
-        k: [2.910, 2.718, 2.574],
-        source: "Weaver, Olson and Lynch 1975",
-    },
-];
 
 /// The metal with this chemical symbol.
 pub fn metal(symbol: &str) -> Option<&'static Metal> {
     METALS.iter().find(|metal| metal.symbol == symbol)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Wavelengths that integrate over the spectrum; measured samples are 10 nm or more apart.
+const WAVELENGTHS: usize = 200;
 
-    /// Reflectance at normal incidence, ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2).
-    fn reflectance(metal: &Metal) -> [f32; 3] {
-        std::array::from_fn(|i| {
-            let (eta, k2) = (metal.eta[i], metal.k[i] * metal.k[i]);
-            ((eta - 1.0).powi(2) + k2) / ((eta + 1.0).powi(2) + k2)
-        })
+/// Angles that the index is fitted at, degrees.
+const FIT_ANGLES: std::ops::RangeInclusive<u32> = 0..=85;
+const FIT_STEP: usize = 5;
+/// Steps of the fit; it stands still after some ten.
+const FIT_STEPS: usize = 100;
+/// Of ln eta and ln k, for differences.
+const FIT_DIFFERENCE: f64 = 1e-6;
+
+impl Metal {
+    /// Authors and year of the measurement.
+    pub fn authors(&self) -> &'static str {
+        let (authors, _) = self.source.split_once(", \"").expect("a title follows");
+        authors
     }
 
-    #[test]
-    fn colours_are_those_one_sees() {
-        let of = |symbol| reflectance(metal(symbol).expect("listed"));
-        let (au, cu, ag, al) = (of("Au"), of("Cu"), of("Ag"), of("Al"));
-        assert!(
-            au[0] > 0.9 && au[1] < 0.8 && au[2] < 0.5,
-            "gold is yellow: {au:?}"
+    /// (eta, k) at a wavelength (nm): linear between samples, constant beyond them.
+    pub fn at(&self, wavelength: f64) -> [f64; 2] {
+        let after = self.samples.partition_point(|row| row[0] < wavelength);
+        let row = |index: usize| self.samples[index.min(self.samples.len() - 1)];
+        let (below, above) = (row(after.saturating_sub(1)), row(after));
+        let span = above[0] - below[0];
+        let t = if span > 0.0 {
+            (wavelength - below[0]) / span
+        } else {
+            0.0
+        };
+        [1, 2].map(|i| below[i] + (above[i] - below[i]) * t)
+    }
+
+    /// The colour of white light reflected at an angle, integrated over the spectrum: linear Rec. 709, and
+    /// as all colours of spectra possibly outside its gamut (gold's red is 1.006).
+    pub fn reflectance(&self, cos_theta: f64) -> DVec3 {
+        spectrum::wavelengths(WAVELENGTHS)
+            .map(|(wavelength, weight)| {
+                let [eta, k] = self.at(wavelength);
+                weight * F_conductor(cos_theta, eta, k) * spectrum::color_matching(wavelength)
+            })
+            .sum()
+    }
+
+    /// The means of eta and k, as the observer's channels weigh them.
+    pub fn mean_index(&self) -> [DVec3; 2] {
+        let mut means = [DVec3::ZERO; 2];
+        for (wavelength, weight) in spectrum::wavelengths(WAVELENGTHS) {
+            let response = weight * spectrum::color_matching(wavelength);
+            for (mean, value) in means.iter_mut().zip(self.at(wavelength)) {
+                *mean += value * response;
+            }
+        }
+        means
+    }
+
+    /// (eta, k) of red, green and blue: the two numbers whose exact Fresnel reflectance is nearest to
+    /// `reflectance`, by least squares over angles. The largest error to 85 degrees is 0.0005, 0.002 for
+    /// copper and 0.014 for gold, whose red no index reaches (and whose fitted one is no metal's);
+    /// `mean_index` errs by up to 0.002, 0.013 and 0.033. Takes a millisecond.
+    pub fn index(&self) -> [[f32; 3]; 2] {
+        let [etas, ks] = self.mean_index();
+        let colors: Vec<(f64, DVec3)> = FIT_ANGLES
+            .step_by(FIT_STEP)
+            .map(|degrees| {
+                let cos = f64::from(degrees).to_radians().cos();
+                // No real surface reflects more than it gets.
+                (cos, self.reflectance(cos).min(DVec3::ONE))
+            })
+            .collect();
+        let mut index = [[0.0; 3]; 2];
+        for channel in 0..3 {
+            let targets: Vec<_> = colors
+                .iter()
+                .map(|(cos, color)| (*cos, color[channel]))
+                .collect();
+            let [eta, k] = fit([etas[channel], ks[channel]], &targets);
+            index[0][channel] = eta as f32;
+            index[1][channel] = k as f32;
+        }
+        index
+    }
+}
+
+/// The (eta, k) near `start` whose reflectances at cosines are nearest to these (Levenberg 1944, "A
+/// method for the solution of certain non-linear problems in least squares"), by logarithms so that
+/// both stay positive.
+fn fit(start: [f64; 2], targets: &[(f64, f64)]) -> [f64; 2] {
+    let residuals = |x: [f64; 2]| -> Vec<f64> {
+        let [eta, k] = x.map(f64::exp);
+        targets
+            .iter()
+            .map(|&(cos, target)| F_conductor(cos, eta, k) - target)
+            .collect()
+    };
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let mut x = start.map(|value| value.max(f64::from(f32::EPSILON)).ln());
+    let mut r = residuals(x);
+    let mut damping = 1e-3;
+    for _ in 0..FIT_STEPS {
+        let slopes = [0, 1].map(|i| {
+            let mut moved = x;
+            moved[i] += FIT_DIFFERENCE;
+            let moved = residuals(moved);
+            let slope = |(a, b): (&f64, &f64)| (a - b) / FIT_DIFFERENCE;
+            moved.iter().zip(&r).map(slope).collect::<Vec<f64>>()
+        });
+        // The normal equations, their diagonal raised.
+        let (a, b, d) = (
+            dot(&slopes[0], &slopes[0]) * (1.0 + damping),
+            dot(&slopes[0], &slopes[1]),
+            dot(&slopes[1], &slopes[1]) * (1.0 + damping),
         );
-        assert!(
-            cu[0] > 0.9 && cu[1] < 0.7 && cu[2] < 0.6,
-            "copper is red: {cu:?}"
-        );
-        assert!(ag.iter().all(|&r| r > 0.95), "silver is white: {ag:?}");
-        assert!(al.iter().all(|&r| (0.88..0.94).contains(&r)), "{al:?}");
-        for symbol in ["Fe", "Cr", "W", "Ti"] {
-            assert!(
-                of(symbol).iter().all(|&r| (0.4..0.7).contains(&r)),
-                "{symbol} is grey"
-            );
+        let (p, q) = (dot(&slopes[0], &r), dot(&slopes[1], &r));
+        let determinant = a * d - b * b;
+        if determinant <= 0.0 {
+            break;
+        }
+        let next = [
+            x[0] - (d * p - b * q) / determinant,
+            x[1] - (a * q - b * p) / determinant,
+        ];
+        let moved = residuals(next);
+        if dot(&moved, &moved) < dot(&r, &r) {
+            (x, r) = (next, moved);
+            damping *= 0.3;
+        } else {
+            damping *= 3.0;
         }
     }
-
-    #[test]
-    fn symbols_are_unique() {
-        for (i, a) in METALS.iter().enumerate() {
-            assert_eq!(metal(a.symbol), Some(a));
-            assert!(METALS[i + 1..].iter().all(|b| b.symbol != a.symbol));
-        }
-        assert_eq!(metal("unobtainium"), None);
-    }
+    x.map(f64::exp)
 }
