@@ -3,6 +3,7 @@
 use super::mesh::Mesh;
 use base64::Engine as _;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 
 /// Four bytes to a component of an attribute (glTF 2.0 section 3.6.2.2).
 const FLOAT: u32 = 5126;
@@ -28,7 +29,7 @@ pub struct Document {
     meshes: Vec<Value>,
     cameras: Vec<Value>,
     nodes: Vec<Value>,
-    extensions: Vec<&'static str>,
+    extensions: BTreeSet<String>,
 }
 
 impl Document {
@@ -103,15 +104,8 @@ impl Document {
 
     /// A material given as glTF; the extensions that it names are declared as used.
     pub fn material(&mut self, name: &str, mut material: Value) -> usize {
-        for known in [
-            "SNELL_materials_bsdf",
-            "KHR_materials_emissive_strength",
-            "KHR_materials_ior",
-        ] {
-            let used = material["extensions"].get(known).is_some();
-            if used && !self.extensions.contains(&known) {
-                self.extensions.push(known);
-            }
+        if let Some(Value::Object(extensions)) = material.get("extensions") {
+            self.extensions.extend(extensions.keys().cloned());
         }
         material["name"] = name.into();
         self.materials.push(material);

@@ -186,7 +186,7 @@ fn stage(document: &mut Document) {
 }
 
 /// A rectangle of light that faces `target`, its long side level.
-fn softbox(centre: [f64; 3], target: [f64; 3], half_width: f64, half_height: f64) -> Mesh {
+pub fn softbox(centre: [f64; 3], target: [f64; 3], half_width: f64, half_height: f64) -> Mesh {
     let unit = |v: [f64; 3]| {
         let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
         v.map(|c| c / length)

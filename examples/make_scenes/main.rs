@@ -10,6 +10,7 @@ pub mod gallery;
 pub mod mesh;
 pub mod panels;
 pub mod prism;
+pub mod specimens;
 pub mod water;
 
 use std::path::PathBuf;
@@ -18,6 +19,8 @@ use std::path::PathBuf;
 pub fn all() -> Vec<(&'static str, String)> {
     vec![
         ("gallery.gltf", gallery::scene()),
+        ("coatings.gltf", specimens::coatings()),
+        ("glasses.gltf", specimens::glasses()),
         ("prism.gltf", prism::scene()),
         ("total_internal_reflection.gltf", water::scene()),
         ("fresnel.gltf", fresnel::scene()),
