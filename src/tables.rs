@@ -14,7 +14,7 @@
 //!
 //! The entries stand a margin above the truth, so that what is interpolated between them is never below
 //! it, for any F0, from the roughest lobe down to `ALPHA_SMOOTH`: what a model makes of 1 - E or 1 / E
-//! then never makes energy. E is at most 0.004 above, 0.007 where roughness is below 0.2; it is capped at
+//! then never makes energy. E is at most 0.0033 above, 0.0046 where roughness is below 0.2; it is capped at
 //! 1, which leaves up to 0.001 too little at cosines under 0.02.
 
 pub mod dielectric;
