@@ -10,6 +10,7 @@ const DIMENSIONS_PER_BOUNCE: u32 = 8u;
 const DIMENSION_LIGHT: u32 = 0u;    // choice (1d), then point (2d)
 const DIMENSION_BSDF: u32 = 2u;     // lobe (1d), then direction (2d)
 const DIMENSION_ROULETTE: u32 = 4u;
+const DIMENSION_WAVELENGTH: u32 = 5u;
 
 // Bounces that no path is ended in by chance.
 const ROULETTE_START: u32 = 3u;

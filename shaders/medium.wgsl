@@ -9,6 +9,7 @@ import package::shared::{NONE, MATERIAL_TRANSMISSIVE};
 import package::bindings::{materials};
 import package::light::light::{LIGHT_DISTANCE_INFINITE};
 import package::math::{exp_accurate};
+import package::spectrum::{ior_at};
 
 // Material indices, one a body, the one that has the place first; NONE: no further one. A fourth
 // body is not entered.
@@ -18,6 +19,7 @@ const MEDIA_NONE: vec3<u32> = vec3(0xffffffffu);
 struct Interface {
     eta: f32,    // index beyond the surface over that on wo's side
     hidden: u32, // 1: the same medium has the place on both sides, so that there is no optical surface
+    dispersive: u32, // 1: eta depends on the wavelength
 }
 
 // Whether medium `a` has the place where it overlaps with `b`.
@@ -79,25 +81,31 @@ fn media_far(media: vec3<u32>, material_index: u32, front: bool) -> vec3<u32> {
     return media_without(media, material_index);
 }
 
-// Index of refraction of the medium that has the place.
-fn media_ior(media: vec3<u32>) -> f32 {
+// Index of refraction of the medium that has the place, at a wavelength in nanometres or at none (0).
+fn media_ior(media: vec3<u32>, wavelength: f32) -> f32 {
     if media.x == NONE {
         return 1.0;
     }
-    return materials[media.x].ior;
+    return ior_at(materials[media.x].ior, materials[media.x].dispersion, wavelength);
+}
+
+// Whether that index depends on the wavelength.
+fn is_dispersive(media: vec3<u32>) -> bool {
+    return media.x != NONE && materials[media.x].dispersion > 0.0;
 }
 
 // The surface of a material in the media of wo's side. What has no other side, or is its own other
 // side as a thin wall is, has its material's index beyond it.
-fn interface_at(media: vec3<u32>, material_index: u32, front: bool) -> Interface {
+fn interface_at(media: vec3<u32>, material_index: u32, front: bool, wavelength: f32) -> Interface {
     if (materials[material_index].flags & MATERIAL_TRANSMISSIVE) == 0u {
-        return Interface(materials[material_index].ior / media_ior(media), 0u);
+        return Interface(materials[material_index].ior / media_ior(media, wavelength), 0u, 0u);
     }
     let far = media_far(media, material_index, front);
     if far.x == media.x {
-        return Interface(1.0, 1u);
+        return Interface(1.0, 1u, 0u);
     }
-    return Interface(media_ior(far) / media_ior(media), 0u);
+    let dispersive = is_dispersive(far) || is_dispersive(media);
+    return Interface(media_ior(far, wavelength) / media_ior(media, wavelength), 0u, select(0u, 1u, dispersive));
 }
 
 // The part of light that a way of this length through the media leaves, by the law of Beer and

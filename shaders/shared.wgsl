@@ -137,8 +137,8 @@ struct Frame {
     ray_offset_floor: f32,     // metres; see offset_origin
     has_alpha: u32,            // 1: some material needs the opacity test while tracing
     clamp: f32,                // what the largest channel of a sample's radiance is limited to; 0: not
-    reserved0: u32,
-    reserved1: vec2<u32>,
+    has_thin_walls: u32,       // 1: shadow rays may pass some material
+    reserved: vec2<u32>,
 }
 
 // Tables that reflection models look up. A uniform, made at start-up by src/tables.rs.

@@ -113,8 +113,8 @@ pub struct Frame {
     pub ray_offset_floor: f32,
     pub has_alpha: u32,
     pub clamp: f32,
-    pub reserved0: u32,
-    pub reserved1: [u32; 2],
+    pub has_thin_walls: u32,
+    pub reserved: [u32; 2],
 }
 
 /// Tables that reflection models look up. A uniform, made at start-up by src/tables.rs.

@@ -91,8 +91,8 @@ fn structures_agree_field_by_field() {
                 ray_offset_floor,
                 has_alpha,
                 clamp,
-                reserved0,
-                reserved1,
+                has_thin_walls,
+                reserved,
             }),
         ),
         (

@@ -14,8 +14,9 @@ import package::light::light::{LightSample, light_sample, light_pdf_triangle, li
 import package::light::environment::{Le_environment};
 import package::bsdf::bsdf::{bsdf_eval, bsdf_sample, bsdf_is_delta};
 import package::medium::{interface_at, media_near, media_far, transmittance};
-import package::variant::{MEDIA};
-import package::estimator::{power_heuristic, roulette_probability, bounce_dimension, sides_agree, DIMENSION_LIGHT, DIMENSION_BSDF, DIMENSION_ROULETTE, ROULETTE_START, SHADOW_SHORTENING};
+import package::spectrum::{sample_wavelength, wavelength_weight};
+import package::variant::{MEDIA, DISPERSION};
+import package::estimator::{power_heuristic, roulette_probability, bounce_dimension, sides_agree, DIMENSION_LIGHT, DIMENSION_BSDF, DIMENSION_ROULETTE, DIMENSION_WAVELENGTH, ROULETTE_START, SHADOW_SHORTENING};
 
 @compute @workgroup_size(WORKGROUP)
 fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -56,10 +57,9 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     var eta = material.ior;
     var far = path.media;
     if MEDIA {
-        let interface_here = interface_at(path.media, surface.material, front);
-        eta = interface_here.eta;
+        var boundary = interface_at(path.media, surface.material, front, path.wavelength);
         far = media_far(path.media, surface.material, front);
-        if interface_here.hidden != 0u {
+        if boundary.hidden != 0u {
             // As a delta: no light was chosen that lies beyond.
             path.media = far;
             path.delta = true;
@@ -70,6 +70,13 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
             queue_path(slot);
             return;
         }
+        if DISPERSION && boundary.dispersive != 0u && path.wavelength == 0.0 {
+            rng.dimension = bounce_dimension(path.bounce, DIMENSION_WAVELENGTH);
+            path.wavelength = sample_wavelength(next_1d(&rng));
+            path.beta *= wavelength_weight(path.wavelength);
+            boundary = interface_at(path.media, surface.material, front, path.wavelength);
+        }
+        eta = boundary.eta;
     }
 
     let bsdf = bsdf_at(material, surface, eta);

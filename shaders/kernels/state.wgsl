@@ -21,7 +21,7 @@ const PLANE_SHADOW_ORIGIN: u32 = 6u;  // origin, t_max
 const PLANE_SHADOW_DIRECTION: u32 = 7u; // direction, bounce
 const PLANE_SHADOW_LIGHT: u32 = 8u;   // what arrives if nothing is in the way
 const PLANE_QUEUES: u32 = 9u;         // x, y: paths to go on with, in turn; z: shadow rays
-const PLANE_MEDIA: u32 = 10u;         // media that the path is in
+const PLANE_MEDIA: u32 = 10u;         // media that the path is in, wavelength
 const PLANES: u32 = 11u;
 
 const COUNTER_PATHS: u32 = 0u;        // and 1: length of queue x and of queue y
@@ -46,6 +46,7 @@ struct Path {
     beta: vec3<f32>,
     eta_scale: f32,
     media: vec3<u32>,
+    wavelength: f32,  // nanometres; 0 while all wavelengths go one way
     rng: Rng,
 }
 
@@ -66,13 +67,13 @@ fn load_path(slot: u32) -> Path {
     let beta = bitcast<vec4<f32>>(paths[plane(PLANE_BETA, slot)]);
     let rng = paths[plane(PLANE_RNG, slot)];
     let pdf = bitcast<f32>(direction.w);
-    var media = MEDIA_NONE;
+    var media = vec4(MEDIA_NONE, 0u);
     if MEDIA {
-        media = paths[plane(PLANE_MEDIA, slot)].xyz;
+        media = paths[plane(PLANE_MEDIA, slot)];
     }
     return Path(
         Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(rng.w), bitcast<vec3<f32>>(direction.xyz), RAY_INFINITY),
-        origin.w, abs(pdf), pdf < 0.0, beta.xyz, beta.w, media, Rng(rng.y, rng.z, 0u),
+        origin.w, abs(pdf), pdf < 0.0, beta.xyz, beta.w, media.xyz, bitcast<f32>(media.w), Rng(rng.y, rng.z, 0u),
     );
 }
 
@@ -85,7 +86,7 @@ fn store_path(slot: u32, path: Path) {
     paths[plane(PLANE_RNG, slot)] =
         vec4(0u, path.rng.pixel_seed, path.rng.index, bitcast<u32>(path.ray.t_min));
     if MEDIA {
-        paths[plane(PLANE_MEDIA, slot)] = vec4(path.media, 0u);
+        paths[plane(PLANE_MEDIA, slot)] = vec4(path.media, bitcast<u32>(path.wavelength));
     }
 }
 

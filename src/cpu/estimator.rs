@@ -9,6 +9,7 @@ pub const DIMENSIONS_PER_BOUNCE: u32 = 8;
 pub const DIMENSION_LIGHT: u32 = 0;
 pub const DIMENSION_BSDF: u32 = 2;
 pub const DIMENSION_ROULETTE: u32 = 4;
+pub const DIMENSION_WAVELENGTH: u32 = 5;
 
 pub const ROULETTE_START: u32 = 3;
 pub const ROULETTE_MAX: f64 = 0.95;

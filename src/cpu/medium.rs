@@ -7,6 +7,7 @@
 
 use super::light::light::LIGHT_DISTANCE_INFINITE;
 use super::math::exp_accurate;
+use super::spectrum::ior_at;
 use crate::pack::Packed;
 use crate::shared::{MATERIAL_TRANSMISSIVE, NONE};
 use glam::{DVec3, UVec3, Vec3};
@@ -22,6 +23,8 @@ pub struct Interface {
     pub eta: f64,
     /// The same medium has the place on both sides, so that there is no optical surface.
     pub hidden: bool,
+    /// `eta` depends on the wavelength.
+    pub dispersive: bool,
 }
 
 /// Whether medium `a` has the place where it overlaps with `b`.
@@ -84,22 +87,39 @@ pub fn media_far(packed: &Packed, media: UVec3, material_index: u32, front: bool
     media_without(media, material_index)
 }
 
-/// Index of refraction of the medium that has the place.
-pub fn media_ior(packed: &Packed, media: UVec3) -> f64 {
+/// Index of refraction of the medium that has the place, at a wavelength in nanometres or at none (0).
+pub fn media_ior(packed: &Packed, media: UVec3, wavelength: f64) -> f64 {
     if media.x == NONE {
         return 1.0;
     }
-    f64::from(packed.materials[media.x as usize].ior)
+    let material = &packed.materials[media.x as usize];
+    ior_at(
+        f64::from(material.ior),
+        f64::from(material.dispersion),
+        wavelength,
+    )
+}
+
+/// Whether that index depends on the wavelength.
+pub fn is_dispersive(packed: &Packed, media: UVec3) -> bool {
+    media.x != NONE && packed.materials[media.x as usize].dispersion > 0.0
 }
 
 /// The surface of a material in the media of wo's side. What has no other side, or is its own other
 /// side as a thin wall is, has its material's index beyond it.
-pub fn interface_at(packed: &Packed, media: UVec3, material_index: u32, front: bool) -> Interface {
+pub fn interface_at(
+    packed: &Packed,
+    media: UVec3,
+    material_index: u32,
+    front: bool,
+    wavelength: f64,
+) -> Interface {
     let material = &packed.materials[material_index as usize];
     if material.flags & MATERIAL_TRANSMISSIVE == 0 {
         return Interface {
-            eta: f64::from(material.ior) / media_ior(packed, media),
+            eta: f64::from(material.ior) / media_ior(packed, media, wavelength),
             hidden: false,
+            dispersive: false,
         };
     }
     let far = media_far(packed, media, material_index, front);
@@ -107,11 +127,13 @@ pub fn interface_at(packed: &Packed, media: UVec3, material_index: u32, front: b
         return Interface {
             eta: 1.0,
             hidden: true,
+            dispersive: false,
         };
     }
     Interface {
-        eta: media_ior(packed, far) / media_ior(packed, media),
+        eta: media_ior(packed, far, wavelength) / media_ior(packed, media, wavelength),
         hidden: false,
+        dispersive: is_dispersive(packed, far) || is_dispersive(packed, media),
     }
 }
 

@@ -13,6 +13,7 @@ use super::medium::{MEDIA_NONE, interface_at, media_far, media_near, transmittan
 use super::ray::{Ray, offset_origin};
 use super::rng::{Rng, next_1d, next_2d, rng_init};
 use super::sample::sample_blackman_harris;
+use super::spectrum::{sample_wavelength, wavelength_weight};
 use super::surface::surface_at;
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
@@ -32,7 +33,8 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
     let mut L = DVec3::ZERO;
     let mut beta = DVec3::ONE;
     let mut eta_scale = 1.0;
-    let mut media = MEDIA_NONE;
+    // Nanometres; 0 while all wavelengths go one way.
+    let (mut media, mut wavelength) = (MEDIA_NONE, 0.0);
     // The camera's ray counts as a delta sample: no light could have been chosen for it.
     let (mut pdf_bsdf, mut delta) = (1.0, true);
     for bounce in 0.. {
@@ -75,7 +77,8 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
             break;
         }
 
-        let interface = interface_at(packed, media, surface.material, surface.front);
+        let mut interface =
+            interface_at(packed, media, surface.material, surface.front, wavelength);
         let far = media_far(packed, media, surface.material, surface.front);
         if interface.hidden {
             // As a delta: no light was chosen that lies beyond.
@@ -86,6 +89,12 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
                 ..ray
             };
             continue;
+        }
+        if interface.dispersive && wavelength == 0.0 {
+            rng.dimension = bounce_dimension(bounce, DIMENSION_WAVELENGTH);
+            wavelength = sample_wavelength(next_1d(rng));
+            beta *= wavelength_weight(wavelength);
+            interface = interface_at(packed, media, surface.material, surface.front, wavelength);
         }
 
         let bsdf = bsdf_at(packed, material, &surface, interface.eta);

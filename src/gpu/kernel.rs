@@ -114,13 +114,27 @@ impl Kernel {
         constants: &[(&str, f64)],
     ) -> Result<Arc<Self>, KernelError> {
         let name = format!("{module} {entry} {constants:?}");
-        let lock = || gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = lock().get(&name) {
+        let kernels = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kernel) = kernels.get(&name) {
             return Ok(Arc::clone(kernel));
         }
+        drop(kernels);
         let linked = link(&format!("kernels/{module}"))?;
-        let kernel = Arc::new(Self::with_constants(gpu, &linked, entry, constants)?);
-        lock().insert(name, Arc::clone(&kernel));
+        Self::of_renderer_linked(gpu, module, &linked, entry, constants)
+    }
+
+    /// The same from a text that takes the module's place on this device from now on: a test's broken one.
+    pub fn of_renderer_linked(
+        gpu: &Gpu,
+        module: &str,
+        linked: &Linked,
+        entry: &str,
+        constants: &[(&str, f64)],
+    ) -> Result<Arc<Self>, KernelError> {
+        let name = format!("{module} {entry} {constants:?}");
+        let kernel = Arc::new(Self::with_constants(gpu, linked, entry, constants)?);
+        let mut kernels = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        kernels.insert(name, Arc::clone(&kernel));
         Ok(kernel)
     }
 

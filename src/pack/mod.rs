@@ -13,7 +13,8 @@ use crate::bvh::{Bounds, Hierarchy, MAX_DEPTH};
 use crate::scene::{self, Scene};
 use crate::shared::{
     BACKGROUND_COLOR, BACKGROUND_ENVIRONMENT, BACKGROUND_TRANSPARENT, Frame, Instance, Light,
-    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_EMISSIVE, Material, NONE, Tables, Triangle,
+    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_EMISSIVE, MATERIAL_THIN_WALLED, Material,
+    NONE, Tables, Triangle,
 };
 use crate::tables::{Needs, tables_for};
 use bytemuck::Zeroable;
@@ -126,11 +127,14 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
     let mut lights = gather_lights(scene, &geometry, &materials, environment.as_ref());
     let lights_len = index("lights", lights.len())?;
     let weights = lights::build_lights(&mut lights, 0.5 * diagonal(geometry.bounds));
-    let alpha = MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND;
-    let has_alpha = geometry
-        .triangles
-        .iter()
-        .any(|triangle| materials[triangle.material as usize].flags & alpha != 0);
+    let any_triangle = |flags: u32| {
+        geometry
+            .triangles
+            .iter()
+            .any(|triangle| materials[triangle.material as usize].flags & flags != 0)
+    };
+    let has_alpha = any_triangle(MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
+    let has_thin_walls = any_triangle(MATERIAL_THIN_WALLED);
     let (background_kind, background) = match view.background {
         Background::Environment => (BACKGROUND_ENVIRONMENT, [0.0; 3]),
         Background::Color(color) => (BACKGROUND_COLOR, color),
@@ -154,6 +158,7 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
         root: geometry.root,
         ray_offset_floor: RAY_OFFSET_FLOOR * diagonal(geometry.bounds),
         has_alpha: u32::from(has_alpha),
+        has_thin_walls: u32::from(has_thin_walls),
         clamp: view.clamp.unwrap_or(0.0),
         ..Frame::zeroed()
     };

@@ -3,6 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod dispersion;
 #[path = "../analytic/expect.rs"]
 mod expect;
 mod nested;

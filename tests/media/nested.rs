@@ -132,7 +132,7 @@ fn a_fourth_body_is_not_entered_and_others_are_kept_in_order() {
     let three = media_with(&packed, two, 3);
     assert_eq!(three, UVec3::new(2, 3, 1));
     assert_eq!(media_far(&packed, three, 4, true), three);
-    assert!(interface_at(&packed, three, 4, true).hidden);
+    assert!(interface_at(&packed, three, 4, true, 0.0).hidden);
     assert_eq!(media_far(&packed, three, 3, false), two);
     // Where the path was not seen to enter, it is taken to be inside by the back that it meets.
     assert_eq!(
@@ -142,6 +142,6 @@ fn a_fourth_body_is_not_entered_and_others_are_kept_in_order() {
     assert_eq!(media_near(&packed, MEDIA_NONE, 1, true), MEDIA_NONE);
     assert_eq!(media_near(&packed, MEDIA_NONE, 0, false), MEDIA_NONE);
     // The panel, index 1, in the densest: as far as it has a dielectric surface.
-    let panel = interface_at(&packed, three, 0, true);
+    let panel = interface_at(&packed, three, 0, true, 0.0);
     assert!(!panel.hidden && (panel.eta - 1.0 / 1.4f32 as f64).abs() < 1e-7);
 }

@@ -205,3 +205,22 @@ pub fn cuboid(lower: Vec3, upper: Vec3) -> Mesh {
 pub fn slab(from: f32, to: f32) -> Mesh {
     cuboid(Vec3::new(-9.0, -9.0, from), Vec3::new(9.0, 9.0, to))
 }
+
+/// A wedge whose front is z = 0 from x = `edge` to `end`, and whose back leaves it at an angle, radians.
+pub fn prism(edge: f32, end: f32, apex: f32) -> Mesh {
+    let back = -(end - edge) * apex.tan();
+    let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    let (a, b) = (at(edge, -9.0, 0.0), at(edge, 9.0, 0.0));
+    let (c, d) = (at(end, -9.0, 0.0), at(end, 9.0, 0.0));
+    let (e, f) = (at(end, -9.0, back), at(end, 9.0, back));
+    shapes::flat(&[
+        [a, c, d],
+        [a, d, b],
+        [a, b, f],
+        [a, f, e],
+        [c, e, f],
+        [c, f, d],
+        [a, e, c],
+        [b, d, f],
+    ])
+}
