@@ -67,6 +67,49 @@ fn grammar() -> Vec<Value> {
         json!({"extensions": {"KHR_materials_unlit": {}}}),
         json!({"extensions": {"SNELL_materials_bsdf": {"model": "lambertian", "reflectance": [1, 1, 1]}}}),
     ];
+    for (name, extension) in [
+        ("transmission", json!({"transmissionFactor": 0.7})),
+        (
+            "diffuse_transmission",
+            json!({"diffuseTransmissionFactor": 0.4, "diffuseTransmissionColorFactor": [1, 0.5, 0.2]}),
+        ),
+        ("dispersion", json!({"dispersion": 0.3})),
+        (
+            "specular",
+            json!({"specularFactor": 0.6, "specularColorFactor": [2, 0.5, 1]}),
+        ),
+        (
+            "clearcoat",
+            json!({"clearcoatFactor": 0.8, "clearcoatRoughnessFactor": 0.2}),
+        ),
+        (
+            "sheen",
+            json!({"sheenColorFactor": [0.5, 0.4, 0.9], "sheenRoughnessFactor": 0.4}),
+        ),
+        (
+            "anisotropy",
+            json!({"anisotropyStrength": 0.6, "anisotropyRotation": 0.7}),
+        ),
+        (
+            "iridescence",
+            json!({"iridescenceFactor": 1, "iridescenceIor": 1.4, "iridescenceThicknessMinimum": 50, "iridescenceThicknessMaximum": 300}),
+        ),
+        (
+            "pbrSpecularGlossiness",
+            json!({"diffuseFactor": [0.2, 0.3, 0.4, 1], "specularFactor": [0.5, 0.4, 0.1], "glossinessFactor": 0.4}),
+        ),
+    ] {
+        let name = format!("KHR_materials_{name}");
+        let base = json!({"metallicFactor": 0.3, "roughnessFactor": 0.5});
+        materials.push(json!({"pbrMetallicRoughness": base, "extensions": {name: extension}}));
+    }
+    materials.push(json!({
+        "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.4},
+        "extensions": {
+            "KHR_materials_transmission": {"transmissionFactor": 1},
+            "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 0.5, 1]},
+        },
+    }));
     for fresnel in &fresnels {
         materials.push(json!({"model": "specular-reflection", "fresnel": fresnel}));
     }
@@ -298,6 +341,14 @@ fn the_schema_refuses_what_the_program_refuses() {
         json!({"model": "conductor", "conductor": {"eta": [1, 1, 1]}}),
         json!({"normalTexture": {"index": 0}}),
         json!({"extensions": {"KHR_materials_fuzz": {}}}),
+        json!({"extensions": {"KHR_materials_ior": {"ior": 0.5}}}),
+        json!({"extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1.5, 0, 0]}}}),
+        json!({"extensions": {"KHR_materials_clearcoat": {"clearcoatTexture": {"index": 0}}}}),
+        json!({"extensions": {"KHR_materials_volume": {"attenuationDistance": 0}}}),
+        json!({"extensions": {"KHR_materials_iridescence": {"iridescenceIOR": 1.2}}}),
+        json!({"extensions": {"KHR_materials_dispersion": {"dispersion": -1}}}),
+        json!({"pbrMetallicRoughness": {"metalicFactor": 1}}),
+        json!({"pbrMetallicRoughness": {"metallicFactor": 2}}),
     ] {
         let query = query(bad);
         assert!(

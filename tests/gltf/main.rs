@@ -4,6 +4,7 @@
 mod asset;
 mod corpus;
 mod environment;
+mod extensions;
 mod geometry;
 mod info;
 mod materials;
