@@ -7,6 +7,9 @@ mod dispersion;
 #[path = "../analytic/expect.rs"]
 mod expect;
 mod nested;
+mod parity;
+#[path = "../common/picture.rs"]
+mod picture;
 mod stage;
 
 use std::f64::consts::FRAC_1_PI;

@@ -20,6 +20,7 @@ const MAX_DEPTH: u32 = 200;
 #[derive(Default)]
 pub struct Stage {
     pub scene: Scene,
+    pub max_depth: Option<u32>,
     change: Vec<Change>,
 }
 
@@ -62,8 +63,9 @@ impl Stage {
         )
     }
 
-    pub fn pack(&self, film_size: [u32; 2]) -> Packed {
-        let view = View {
+    /// Down along -z.
+    pub fn view(&self, film_size: [u32; 2]) -> View {
+        View {
             camera: Camera {
                 name: String::new(),
                 world_from_camera: Affine3A::from_translation(CAMERA_HEIGHT as f32 * Vec3::Z),
@@ -75,11 +77,14 @@ impl Stage {
             },
             film_size,
             seed: 0,
-            max_depth: MAX_DEPTH,
+            max_depth: self.max_depth.unwrap_or(MAX_DEPTH),
             background: Background::Color([0.0; 3]),
             clamp: None,
-        };
-        self.pack_view(&view)
+        }
+    }
+
+    pub fn pack(&self, film_size: [u32; 2]) -> Packed {
+        self.pack_view(&self.view(film_size))
     }
 
     pub fn pack_view(&self, view: &View) -> Packed {
