@@ -234,11 +234,15 @@ fn what_is_moved_into_its_range_or_left_out_is_noted() {
         "KHR_materials_clearcoat": {"clearcoatFactor": 2},
         "KHR_materials_sheen": {"sheenColorFactor": [0.5, -1, 3]},
         "KHR_materials_ior": {"ior": 1e9},
+        "KHR_materials_iridescence": {"iridescenceThicknessMaximum": 1e38},
     }));
+    assert!(noted(&clamped, "a film of more than a millimetre"));
     assert!(noted(&clamped, "a factor outside of 0 to 1 is clamped"));
     assert!(noted(&clamped, "more than a million is clamped"));
     let material = &clamped.scene.materials[0];
     assert_eq!(of(material).clearcoat.coat.factor, 1.0);
+    let thickness = of(material).iridescence.thickness.factor;
+    assert_eq!(thickness, [100.0, 1e6]);
     assert_eq!(of(material).sheen.color.factor, Vec3::new(0.5, 0.0, 1.0));
 
     let unknown = loaded(json!({"KHR_materials_iridescence": {"iridescenceIOR": 1.5}}));

@@ -27,6 +27,9 @@ pub const EXTENSIONS: [&str; 10] = [
 /// Beyond it a dielectric reflects all but a millionth, and squares of indices leave float32.
 const MAX_IOR: f32 = 1e6;
 
+/// Nanometres. Films show no interference from a few micrometres on; a millimetre keeps phases in float32.
+const MAX_FILM_THICKNESS: f32 = 1e6;
+
 pub fn extensions<'a>(
     json: &Json<'a>,
     ior: f32,
@@ -224,14 +227,21 @@ fn iridescence<'a>(json: &Json<'a>, policy: &mut dyn Policy<'a>) -> Result<Iride
     };
     let default = Iridescence::default();
     let [minimum, maximum] = default.thickness.factor;
+    let factor = [
+        at_least(&extension, thickness[0], 0.0, minimum)?,
+        at_least(&extension, thickness[1], 0.0, maximum)?,
+    ];
+    if factor
+        .iter()
+        .any(|&thickness| thickness > MAX_FILM_THICKNESS)
+    {
+        policy.doubt(&extension, "a film of more than a millimetre", "is thinned")?;
+    }
     Ok(Iridescence {
         strength: textured_strength(&extension, strength, 0.0, policy)?,
         film_ior: at_least(&extension, "iridescenceIor", 1.0, default.film_ior)?.min(MAX_IOR),
         thickness: Textured {
-            factor: [
-                at_least(&extension, thickness[0], 0.0, minimum)?,
-                at_least(&extension, thickness[1], 0.0, maximum)?,
-            ],
+            factor: factor.map(|thickness| thickness.min(MAX_FILM_THICKNESS)),
             texture: texture(&extension, thickness[2], false, policy)?,
         },
     })
