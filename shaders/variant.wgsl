@@ -20,6 +20,14 @@ override SHEEN_TEXTURES: bool = true;
 override IRIDESCENCE_TEXTURES: bool = true;
 override COAT_NORMALS: bool = true;              // some coat lies over a normal map or has its own
 
+// Lobes of glTF's extensions.
+override COAT: bool = true;                      // some material has one; and so on
+override SHEEN: bool = true;
+override TRANSMISSION: bool = true;
+override DIFFUSE_TRANSMISSION: bool = true;
+override IRIDESCENCE: bool = true;
+override ANISOTROPY: bool = true;
+
 // What all reflecting materials have in common, or NONE.
 override COMMON_MODEL: u32 = 0xffffffffu;
 override COMMON_FRESNEL: u32 = 0xffffffffu;

@@ -152,9 +152,9 @@ mutations! {
     schlick_to_the_fourth:
         "return sqr(sqr(x)) * x;" => "return sqr(sqr(x));", Parity(Stage::Fresnel), PLASTIC;
     lobe_choice_forgotten_in_the_pdf:
-        "pdf += p * shape.y;" => "pdf += shape.y;", Statistics(30.0), PLASTIC;
+        "pdf += view.p_reflection * shape.y;" => "pdf += shape.y;", Statistics(30.0), PLASTIC;
     diffuse_share_one_way_only:
-        "diffuse_share(bsdf, wo.z) * diffuse_share(bsdf, wi.z)" => "diffuse_share(bsdf, wo.z)",
+        "INV_PI * (view.passed * passed / max(view.near.passed" => "INV_PI * (view.passed / max(view.near.passed",
         Parity(Stage::Eval), PLASTIC;
     light_not_mirrored_with_the_viewer:
         "mirrored(wo), mirrored(wi));" => "mirrored(wo), wi);", Parity(Stage::Eval), GREY;

@@ -12,7 +12,7 @@ import package::bsdf::oren_nayar::{f_oren_nayar, f_oren_nayar_eon};
 import package::bsdf::distribution::{is_smooth};
 import package::bsdf::torrance_sparrow::{torrance_sparrow_eval, torrance_sparrow_sample};
 import package::bsdf::dielectric::{is_smooth_dielectric, smooth_dielectric_sample, rough_dielectric_eval, rough_dielectric_sample};
-import package::bsdf::metallic_roughness::{metallic_roughness_eval, metallic_roughness_sample};
+import package::bsdf::gltf::{gltf_is_delta, gltf_eval, gltf_sample, gltf_straight_transmittance};
 
 // Whether the model has nothing but deltas, so that no light can be sampled for it.
 fn bsdf_is_delta(bsdf: Bsdf) -> bool {
@@ -25,6 +25,9 @@ fn bsdf_is_delta(bsdf: Bsdf) -> bool {
         }
         case BSDF_TORRANCE_SPARROW: {
             return is_smooth(bsdf);
+        }
+        case BSDF_GLTF: {
+            return gltf_is_delta(bsdf);
         }
         default: {
             return false;
@@ -69,7 +72,7 @@ fn bsdf_eval_above(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
             return torrance_sparrow_eval(bsdf, wo, wi);
         }
         case BSDF_GLTF: {
-            return metallic_roughness_eval(bsdf, wo, wi);
+            return gltf_eval(bsdf, wo, wi);
         }
         default: { // BSDF_UNLIT
             return no_eval();
@@ -114,10 +117,19 @@ fn bsdf_sample_above(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
             return torrance_sparrow_sample(bsdf, wo, u.yz);
         }
         case BSDF_GLTF: {
-            return metallic_roughness_sample(bsdf, wo, u);
+            return gltf_sample(bsdf, wo, u);
         }
         default: { // BSDF_UNLIT
             return no_sample();
         }
     }
+}
+
+// What of the light from straight behind the surface goes on to wo unbent: that of smooth thin walls, and
+// the mean of the samples that are DELTA_STRAIGHT. 0 of all else.
+fn straight_transmittance(bsdf: Bsdf, wo: vec3<f32>) -> vec3<f32> {
+    if bsdf.model == BSDF_GLTF {
+        return gltf_straight_transmittance(bsdf, vec3(wo.xy, abs(wo.z)));
+    }
+    return vec3(0.0);
 }

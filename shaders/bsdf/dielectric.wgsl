@@ -65,7 +65,9 @@ fn rough_dielectric_reflection(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> Bsdf
     return BsdfEval(bsdf.reflectance * (F * mirror_shape(bsdf, wo, wi, wm.xyz, wm.w)), F * pdf);
 }
 
-fn rough_dielectric_transmission(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
+// f and density of a boundary that lets everything pass (x, y), with the factor 1 / eta^2; the cosine
+// between facet and wo (z) and T_dielectric there (w). All 0 where no facet refracts wi to wo.
+fn rough_transmission_shape(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> vec4<f32> {
     // Walter et al. 2007, eq. 21, times eta_o^2 / eta_i^2 for radiance (section 2 there).
     let eta = bsdf.eta.x;
     let half = half_vector_transmission(wo, wi, eta);
@@ -74,13 +76,18 @@ fn rough_dielectric_transmission(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> Bs
     let cos_o = dot(wo, wm);
     let cos_i = dot(wi, wm);
     if norm <= 0.0 || cos_o <= 0.0 || cos_i >= 0.0 {
-        return no_eval();
+        return vec4(0.0);
     }
     let T = T_dielectric_cosines(cos_o, -cos_i, eta);
     let G = facet_G2(bsdf, wo, wi, wm, cos_o, cos_i);
-    let f = T * facet_D(bsdf, wm) * G * cos_o * -cos_i / (wo.z * -wi.z * sqr(norm));
-    let pdf = T * facet_pdf(bsdf, wo, wm, cos_o) * half_vector_transmission_jacobian(cos_i, norm, eta);
-    return BsdfEval(bsdf.reflectance * f, pdf);
+    let f = facet_D(bsdf, wm) * G * cos_o * -cos_i / (wo.z * -wi.z * sqr(norm));
+    let pdf = facet_pdf(bsdf, wo, wm, cos_o) * half_vector_transmission_jacobian(cos_i, norm, eta);
+    return vec4(f, pdf, cos_o, T);
+}
+
+fn rough_dielectric_transmission(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
+    let shape = rough_transmission_shape(bsdf, wo, wi);
+    return BsdfEval(bsdf.reflectance * (shape.w * shape.x), shape.w * shape.y);
 }
 
 fn rough_dielectric_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {

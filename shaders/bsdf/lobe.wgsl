@@ -12,6 +12,10 @@ const ALPHA_SMOOTH: f32 = 1e-3;
 // them would spread light by less than float32 directions resolve: it is taken as smooth.
 const ETA_MATCHED: f32 = 1e-3;
 
+// `BsdfSample.delta`
+const DELTA: u32 = 1u;
+const DELTA_STRAIGHT: u32 = 2u; // and the light goes straight on: the surface is there for its weight only
+
 struct BsdfEval {
     f: vec3<f32>,
     pdf: f32,

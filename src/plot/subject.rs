@@ -3,11 +3,12 @@
 
 use super::{PlotError, direction};
 use crate::cpu;
-use crate::cpu::bsdf::metallic_roughness::F_gltf;
+use crate::cpu::bsdf::gltf::F_gltf;
 use crate::cpu::sobol::{owen_scramble, sobol_dimension0, sobol_dimension1};
 use crate::lab::material::{bsdf_of, material_of};
 use crate::lab::{Input, Lab, LabError, Output, Stage};
 use crate::shared::{BSDF_GLTF, Bsdf, GLTF_THIN_WALLED, GLTF_TRANSMISSIVE};
+use crate::tables::tables;
 use glam::DVec3;
 use serde_json::{Value, json};
 
@@ -210,7 +211,11 @@ impl Reference {
         if bsdf.model == BSDF_GLTF {
             // The laboratory's stage knows the boundaries of the lecture's models only.
             let bsdf = cpu::bsdf::Bsdf::from(bsdf);
-            return Ok(cosines.iter().map(|&cos| F_gltf(&bsdf, cos)).collect());
+            let tables = tables();
+            return Ok(cosines
+                .iter()
+                .map(|&cos| F_gltf(&tables, &bsdf, cos))
+                .collect());
         }
         let inputs: Vec<Input> = cosines
             .iter()

@@ -115,15 +115,15 @@ pub fn examine(lab: &Lab, lobe: &Lobe, degrees: f64, seed: u64) -> (f64, String)
                 } else {
                     1.0
                 };
-                [
-                    output.pdf,
-                    output.f.max_element() * output.wi.z.abs() * scale,
-                ]
+                let received = output.f * (output.wi.z.abs() * scale);
+                [output.pdf, received.x, received.y, received.z]
             })
             .collect()
     });
     let mass: f64 = integrals.iter().map(|integral| integral[0]).sum();
-    let albedo: f64 = integrals.iter().map(|integral| integral[1]).sum();
+    let albedo = (1..4)
+        .map(|channel| integrals.iter().map(|integral| integral[channel]).sum())
+        .fold(0.0, f64::max);
     let n = COUNTED as f64;
     let lost = counted.rejected as f64 / n;
     let deviation = (lost * (1.0 - lost) / n).sqrt();

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 use snell::lab::query::{Kind, parse};
-use snell::shared::Bsdf;
+use snell::shared::{BSDF_GLTF, Bsdf, GLTF_INSIDE, GLTF_THIN_WALLED, GLTF_TRANSMISSIVE, Gltf};
 
 /// A lobe with what it promises.
 pub struct Lobe {
@@ -17,6 +17,12 @@ pub struct Lobe {
 }
 
 impl Lobe {
+    /// Whether it is glTF's boundary of a medium that light is refracted into.
+    pub fn is_refractive(&self) -> bool {
+        let flags = self.bsdf.gltf.flags & (GLTF_TRANSMISSIVE | GLTF_THIN_WALLED);
+        self.bsdf.model == BSDF_GLTF && flags == GLTF_TRANSMISSIVE
+    }
+
     /// Index of the far side over the near side, of models that transmit; 1 of others.
     pub fn eta(&self) -> f64 {
         let transmissive = [
@@ -24,7 +30,7 @@ impl Lobe {
             snell::shared::BSDF_ROUGH_DIELECTRIC,
             snell::shared::BSDF_SPECULAR_TRANSMISSION,
         ];
-        if transmissive.contains(&self.bsdf.model) {
+        if transmissive.contains(&self.bsdf.model) || self.is_refractive() {
             f64::from(self.bsdf.eta[0])
         } else {
             1.0
@@ -71,7 +77,7 @@ pub fn lobes(roughness: f64) -> Vec<Lobe> {
     let diffuse = |rest: &str| format!(r#"{{"model":{rest},"reflectance":{white}}}"#);
     // Visible normals weigh G2/G1 <= 1. Normals drawn by D cos weigh G (wo . wm) / (cos_o cos_m), which
     // V-cavities keep under 2. Oren and Nayar's forms grow like roughness / cos_o at grazing angles, here up
-    // to 85 degrees, and are sampled by the cosine. glTF's two lobes are each chosen with a probability of 0.1 at least.
+    // to 85 degrees, and are sampled by the cosine. glTF's lobes are each chosen with a probability of about 0.1, or ten times their share.
     [
         ("lambertian", diffuse(r#""lambertian""#), 1.0),
         (
@@ -96,17 +102,175 @@ pub fn lobes(roughness: f64) -> Vec<Lobe> {
         ("glass ggx from inside", glass(1.0 / 1.5, &ggx), 1.0),
         ("glass beckmann", glass(1.5, &beckmann), 1.0),
         ("glass blinn", glass(1.5, &blinn), 2.0),
-        ("gltf plastic", gltf(0.0), 10.0),
-        ("gltf half metal", gltf(0.5), 10.0),
+        ("gltf plastic", gltf(0.0), 15.0),
+        ("gltf half metal", gltf(0.5), 15.0),
     ]
     .map(|(name, material, weight_max)| Lobe {
         name: format!("{name} roughness {roughness}"),
         bsdf: bsdf(&material),
         weight_max,
         // The lecture's Oren-Nayar formula itself returns a little too much at grazing angles.
-        albedo_max: if name == "oren-nayar" { 1.01 } else { 1.0 },
+        // glTF's compensation stands on tables.
+        albedo_max: match name {
+            "oren-nayar" => 1.01,
+            "gltf plastic" | "gltf half metal" => 1.003,
+            _ => 1.0,
+        },
     })
     .into()
+}
+
+/// A white glTF material with extensions that `change` sets.
+pub fn gltf(roughness: f64, change: impl Fn(&mut Bsdf)) -> Bsdf {
+    let mut bsdf = bsdf(&format!(
+        r#"{{"pbrMetallicRoughness":{{"metallicFactor":0,"roughnessFactor":{roughness}}}}}"#
+    ));
+    change(&mut bsdf);
+    bsdf
+}
+
+/// Light passes it: `eta` is the far side's index over the near side's.
+pub fn transmissive(bsdf: &mut Bsdf, eta: f32, flags: u32) {
+    bsdf.eta = [eta; 3];
+    bsdf.gltf.F0 = [((eta - 1.0) / (eta + 1.0)).powi(2); 3];
+    bsdf.gltf.transmission = 1.0;
+    bsdf.gltf.flags = GLTF_TRANSMISSIVE | flags;
+}
+
+/// A bent normal for the coat.
+pub fn bent() -> [f32; 3] {
+    direction(12.0).as_vec3().to_array()
+}
+
+/// glTF's extensions that keep a lobe reciprocal, white.
+pub fn gltf_lobes(roughness: f64) -> Vec<Lobe> {
+    let inside = |b: &mut Bsdf| transmissive(b, 1.0 / 1.5, GLTF_INSIDE);
+    let diffuse = |g: &mut Gltf| {
+        g.diffuse_transmission = 0.6;
+        g.diffuse_transmission_color = [1.0; 3];
+    };
+    let brushed = |b: &mut Bsdf| {
+        b.alpha[0] += 0.25 * (1.0 - b.alpha[0]);
+        b.gltf.rotation = [0.6, 0.8];
+    };
+    let all: Vec<(&str, Bsdf)> = vec![
+        ("metal", gltf(roughness, |b| b.gltf.metallic = 1.0)),
+        ("glass", gltf(roughness, |b| transmissive(b, 1.5, 0))),
+        ("glass from inside", gltf(roughness, inside)),
+        (
+            "thin wall",
+            gltf(roughness, |b| transmissive(b, 1.5, GLTF_THIN_WALLED)),
+        ),
+        (
+            "strong and coloured specular on glass",
+            gltf(roughness, |b| {
+                transmissive(b, 1.5, 0);
+                b.gltf.F0 = [0.3, 0.04, 0.02];
+            }),
+        ),
+        (
+            "diffuse transmission",
+            gltf(roughness, |b| diffuse(&mut b.gltf)),
+        ),
+        (
+            "all that passes a boundary",
+            gltf(roughness, |b| {
+                transmissive(b, 1.5, 0);
+                b.gltf.transmission = 0.4;
+                b.gltf.metallic = 0.2;
+                diffuse(&mut b.gltf);
+            }),
+        ),
+        (
+            "brushed metal",
+            gltf(roughness, |b| {
+                b.gltf.metallic = 1.0;
+                brushed(b);
+            }),
+        ),
+        (
+            "brushed glass",
+            gltf(roughness, |b| {
+                transmissive(b, 1.5, 0);
+                brushed(b);
+            }),
+        ),
+    ];
+    promise(all, roughness, 1.0)
+}
+
+/// glTF's layers and films, white.
+pub fn layered_lobes(roughness: f64) -> Vec<Lobe> {
+    let coat = |b: &mut Bsdf| {
+        b.gltf.coat = 0.8;
+        b.gltf.coat_roughness = 0.5;
+        b.gltf.coat_normal = bent();
+    };
+    let film = |b: &mut Bsdf| {
+        b.gltf.iridescence = 1.0;
+        b.gltf.film_ior = 1.3;
+        b.gltf.film_thickness = 400.0;
+    };
+    let all: Vec<(&str, Bsdf)> = vec![
+        (
+            "coated metal",
+            gltf(roughness, |b| {
+                b.gltf.metallic = 1.0;
+                coat(b);
+            }),
+        ),
+        (
+            "coated glass",
+            gltf(roughness, |b| {
+                transmissive(b, 1.5, 0);
+                coat(b);
+            }),
+        ),
+        (
+            "sheen",
+            gltf(roughness, |b| {
+                b.gltf.sheen_color = [0.9, 0.5, 0.2];
+                b.gltf.sheen_roughness = 0.5;
+            }),
+        ),
+        (
+            "coat over sheen",
+            gltf(roughness, |b| {
+                coat(b);
+                b.gltf.sheen_color = [1.0; 3];
+                b.gltf.sheen_roughness = 0.3;
+            }),
+        ),
+        ("film on plastic", gltf(roughness, film)),
+        (
+            "film on metal",
+            gltf(roughness, |b| {
+                b.gltf.metallic = 1.0;
+                film(b);
+            }),
+        ),
+        (
+            "film on a thin wall",
+            gltf(roughness, |b| {
+                transmissive(b, 1.5, GLTF_THIN_WALLED);
+                film(b);
+            }),
+        ),
+    ];
+    promise(all, roughness, 1.0)
+}
+
+/// Weights are bounded by the least probability of a lobe, about 0.07, and by how much brighter than its
+/// mean a lobe can be.
+fn promise(all: Vec<(&str, Bsdf)>, roughness: f64, albedo_max: f64) -> Vec<Lobe> {
+    all.into_iter()
+        .map(|(name, bsdf)| Lobe {
+            name: format!("{name} roughness {roughness}"),
+            bsdf,
+            weight_max: 25.0,
+            albedo_max,
+        })
+        .collect()
 }
 
 /// The direction at an angle of `degrees` from the normal, in no special azimuth.

@@ -8,9 +8,9 @@ use super::dielectric::{
     is_smooth_dielectric, rough_dielectric_eval, rough_dielectric_sample, smooth_dielectric_sample,
 };
 use super::distribution::is_smooth;
+use super::gltf::{gltf_eval, gltf_is_delta, gltf_sample, gltf_straight_transmittance};
 use super::lambertian::f_lambertian;
 use super::lobe::{BsdfEval, BsdfSample, is_reflected, mirrored, no_eval, no_sample, sample_of};
-use super::metallic_roughness::{metallic_roughness_eval, metallic_roughness_sample};
 use super::oren_nayar::{f_oren_nayar, f_oren_nayar_eon};
 use super::specular::{specular_reflection_sample, specular_transmission_sample};
 use super::torrance_sparrow::{torrance_sparrow_eval, torrance_sparrow_sample};
@@ -28,6 +28,7 @@ pub fn bsdf_is_delta(bsdf: &Bsdf) -> bool {
         BSDF_SPECULAR_REFLECTION | BSDF_SPECULAR_TRANSMISSION | BSDF_DIELECTRIC => true,
         BSDF_ROUGH_DIELECTRIC => is_smooth_dielectric(bsdf),
         BSDF_TORRANCE_SPARROW => is_smooth(bsdf),
+        BSDF_GLTF => gltf_is_delta(bsdf),
         _ => false,
     }
 }
@@ -64,7 +65,7 @@ pub fn bsdf_eval_above(tables: &Tables, bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> Bs
         BSDF_LAMBERTIAN | BSDF_OREN_NAYAR | BSDF_OREN_NAYAR_EON => diffuse_eval(bsdf, wo, wi),
         BSDF_ROUGH_DIELECTRIC => rough_dielectric_eval(bsdf, wo, wi),
         BSDF_TORRANCE_SPARROW => torrance_sparrow_eval(bsdf, wo, wi),
-        BSDF_GLTF => metallic_roughness_eval(tables, bsdf, wo, wi),
+        BSDF_GLTF => gltf_eval(tables, bsdf, wo, wi),
         _ => no_eval(), // BSDF_UNLIT
     }
 }
@@ -103,7 +104,16 @@ pub fn bsdf_sample_above(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> B
             }
             torrance_sparrow_sample(bsdf, wo, u_direction)
         }
-        BSDF_GLTF => metallic_roughness_sample(tables, bsdf, wo, u),
+        BSDF_GLTF => gltf_sample(tables, bsdf, wo, u),
         _ => no_sample(), // BSDF_UNLIT
     }
+}
+
+/// What of the light from straight behind the surface goes on to wo unbent: that of smooth thin walls,
+/// and the mean of the samples that are `DELTA_STRAIGHT`. 0 of all else.
+pub fn straight_transmittance(tables: &Tables, bsdf: &Bsdf, wo: DVec3) -> DVec3 {
+    if bsdf.model == BSDF_GLTF {
+        return gltf_straight_transmittance(tables, bsdf, wo.with_z(wo.z.abs()));
+    }
+    DVec3::ZERO
 }

@@ -84,7 +84,9 @@ pub fn rough_dielectric_reflection(bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> BsdfEva
     }
 }
 
-pub fn rough_dielectric_transmission(bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> BsdfEval {
+/// f and density of a boundary that lets everything pass (x, y), with the factor 1 / eta^2; the cosine
+/// between facet and wo (z) and `T_dielectric` there (w). All 0 where no facet refracts wi to wo.
+pub fn rough_transmission_shape(bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> DVec4 {
     // Walter et al. 2007, eq. 21, times eta_o^2 / eta_i^2 for radiance (section 2 there).
     let eta = bsdf.eta.x;
     let half = half_vector_transmission(wo, wi, eta);
@@ -93,16 +95,20 @@ pub fn rough_dielectric_transmission(bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> BsdfE
     let cos_o = wo.dot(wm);
     let cos_i = wi.dot(wm);
     if norm <= 0.0 || cos_o <= 0.0 || cos_i >= 0.0 {
-        return no_eval();
+        return DVec4::ZERO;
     }
     let T = T_dielectric_cosines(cos_o, -cos_i, eta);
     let G = facet_G2(bsdf, wo, wi, wm, cos_o, cos_i);
-    let f = T * facet_D(bsdf, wm) * G * cos_o * -cos_i / (wo.z * -wi.z * sqr(norm));
-    let pdf =
-        T * facet_pdf(bsdf, wo, wm, cos_o) * half_vector_transmission_jacobian(cos_i, norm, eta);
+    let f = facet_D(bsdf, wm) * G * cos_o * -cos_i / (wo.z * -wi.z * sqr(norm));
+    let pdf = facet_pdf(bsdf, wo, wm, cos_o) * half_vector_transmission_jacobian(cos_i, norm, eta);
+    DVec4::new(f, pdf, cos_o, T)
+}
+
+pub fn rough_dielectric_transmission(bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> BsdfEval {
+    let shape = rough_transmission_shape(bsdf, wo, wi);
     BsdfEval {
-        f: bsdf.reflectance * f,
-        pdf,
+        f: bsdf.reflectance * (shape.w * shape.x),
+        pdf: shape.w * shape.y,
     }
 }
 

@@ -14,6 +14,11 @@ pub const ALPHA_SMOOTH: f64 = 1e-3;
 /// them would spread light by less than float32 directions resolve: it is taken as smooth.
 pub const ETA_MATCHED: f64 = 1e-3;
 
+/// `BsdfSample::delta`
+pub const DELTA: u32 = 1;
+/// And the light goes straight on: the surface is there for its weight only.
+pub const DELTA_STRAIGHT: u32 = 2;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfEval {
     pub f: DVec3,

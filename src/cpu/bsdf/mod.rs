@@ -4,23 +4,28 @@ use crate::shared;
 use glam::{DVec2, DVec3};
 
 pub mod albedo;
+pub mod boundary;
 #[allow(
     clippy::module_inception,
     reason = "the twin of shaders/bsdf/bsdf.wgsl, which puts the models of this folder together"
 )]
 pub mod bsdf;
+pub mod coat;
 pub mod dielectric;
 pub mod distribution;
 pub mod fresnel;
+pub mod gltf;
+pub mod iridescence;
 pub mod lambertian;
 pub mod lobe;
 pub mod masking;
-pub mod metallic_roughness;
+pub mod multiple_scattering;
 pub mod oren_nayar;
 pub mod sheen;
 pub mod specular;
 pub mod thin_film;
 pub mod torrance_sparrow;
+pub mod transmission;
 pub mod visible_normal;
 
 /// A reflection model with its parameters: `shared::Bsdf` in float64.
