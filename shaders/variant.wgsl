@@ -7,6 +7,7 @@
 override TEST_ALPHA: bool = true;                // some material is masked or blended
 override MEDIA: bool = true;                     // some material is the boundary of a medium
 override DISPERSION: bool = true;                // that disperses
+override THIN_WALLS: bool = true;                // some material is a thin wall
 override BASE_COLOR_TEXTURES: bool = true;       // some material has one; and so on
 override METALLIC_ROUGHNESS_TEXTURES: bool = true;
 override NORMAL_TEXTURES: bool = true;

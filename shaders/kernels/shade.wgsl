@@ -13,9 +13,10 @@ import package::material::{bsdf_at, Le_surface};
 import package::light::light::{LightSample, light_sample, light_pdf_triangle, light_pdf_environment};
 import package::light::environment::{Le_environment};
 import package::bsdf::bsdf::{bsdf_eval, bsdf_sample, bsdf_is_delta};
-import package::medium::{interface_at, media_near, media_far, transmittance};
+import package::bsdf::lobe::{DELTA_STRAIGHT};
+import package::medium::{interface_at, media_ior, media_near, media_far, transmittance};
 import package::spectrum::{sample_wavelength, wavelength_weight};
-import package::variant::{MEDIA, DISPERSION};
+import package::variant::{MEDIA, DISPERSION, THIN_WALLS};
 import package::estimator::{power_heuristic, roulette_probability, bounce_dimension, sides_agree, DIMENSION_LIGHT, DIMENSION_BSDF, DIMENSION_ROULETTE, DIMENSION_WAVELENGTH, ROULETTE_START, SHADOW_SHORTENING};
 
 @compute @workgroup_size(WORKGROUP)
@@ -90,13 +91,16 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
             let eval = bsdf_eval(bsdf, wo, wi);
             let weight = select(power_heuristic(light.pdf, eval.pdf), 1.0, light.delta != 0u);
             var L = path.beta * eval.f * abs(wi.z) * light.Le * (weight / light.pdf);
+            var ior = 1.0;
             if MEDIA {
-                L *= transmittance(select(path.media, far, wi.z < 0.0), light.distance);
+                let along = select(path.media, far, wi.z < 0.0);
+                L *= transmittance(along, light.distance);
+                ior = media_ior(along, path.wavelength);
             }
             if any(L != vec3(0.0)) {
                 let origin = offset_origin(surface.p, surface.ng, light.wi, surface.p_error);
                 let t_max = light.distance * (1.0 - SHADOW_SHORTENING);
-                queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max), L);
+                queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max), L, ior);
             }
         }
     }
@@ -124,10 +128,15 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     if all(path.beta == vec3(0.0)) {
         return;
     }
-    path.pdf_bsdf = sample.pdf;
-    path.delta = sample.delta != 0u;
-    let origin = offset_origin(surface.p, surface.ng, wi, surface.p_error);
-    path.ray = Ray(origin, 0.0, wi, RAY_INFINITY);
+    if THIN_WALLS && sample.delta == DELTA_STRAIGHT {
+        // Still the same ray: light beyond is weighted as for its start.
+        path.ray.t_min = hit.t;
+    } else {
+        path.pdf_bsdf = sample.pdf;
+        path.delta = sample.delta != 0u;
+        let origin = offset_origin(surface.p, surface.ng, wi, surface.p_error);
+        path.ray = Ray(origin, 0.0, wi, RAY_INFINITY);
+    }
     path.bounce += 1u;
     store_path(slot, path);
     queue_path(slot);

@@ -19,7 +19,7 @@ const PLANE_HIT: u32 = 4u;            // t, u, v, instance
 const PLANE_RNG: u32 = 5u;            // hit triangle, pixel seed, sample index, t_min
 const PLANE_SHADOW_ORIGIN: u32 = 6u;  // origin, t_max
 const PLANE_SHADOW_DIRECTION: u32 = 7u; // direction, bounce
-const PLANE_SHADOW_LIGHT: u32 = 8u;   // what arrives if nothing is in the way
+const PLANE_SHADOW_LIGHT: u32 = 8u;   // what arrives if nothing is in the way, index of the medium
 const PLANE_QUEUES: u32 = 9u;         // x, y: paths to go on with, in turn; z: shadow rays
 const PLANE_MEDIA: u32 = 10u;         // media that the path is in, wavelength
 const PLANES: u32 = 11u;
@@ -129,10 +129,10 @@ fn queue_path(slot: u32) {
     }
 }
 
-fn queue_shadow_ray(slot: u32, bounce: u32, ray: Ray, light: vec3<f32>) {
+fn queue_shadow_ray(slot: u32, bounce: u32, ray: Ray, light: vec3<f32>, ior: f32) {
     paths[plane(PLANE_SHADOW_ORIGIN, slot)] = vec4(bitcast<vec3<u32>>(ray.origin), bitcast<u32>(ray.t_max));
     paths[plane(PLANE_SHADOW_DIRECTION, slot)] = vec4(bitcast<vec3<u32>>(ray.direction), bounce);
-    paths[plane(PLANE_SHADOW_LIGHT, slot)] = vec4(bitcast<vec3<u32>>(light), 0u);
+    paths[plane(PLANE_SHADOW_LIGHT, slot)] = vec4(bitcast<vec3<u32>>(light), bitcast<u32>(ior));
     let place = atomicAdd(&counters[COUNTER_SHADOW], 1u);
     paths[plane(PLANE_QUEUES, place)].z = slot;
 }

@@ -1,9 +1,10 @@
-// "Does anything stand between the surface and the light?": one invocation a queued shadow ray; the
-// light that arrives is added to its path.
+// "What stands between the surface and the light?": one invocation a queued shadow ray; the light that
+// arrives is added to its path.
 
 import package::kernels::state::{add_radiance, counters, paths, plane, COUNTER_SHADOW, PLANE_RAY_ORIGIN, PLANE_QUEUES, PLANE_RNG, PLANE_SHADOW_ORIGIN, PLANE_SHADOW_DIRECTION, PLANE_SHADOW_LIGHT, WORKGROUP};
 import package::ray::{Ray};
-import package::bvh::{trace_any};
+import package::bindings::{frame};
+import package::visibility::{visibility};
 import package::estimator::{ray_alpha_seed};
 import package::rng::{Rng};
 
@@ -19,7 +20,10 @@ fn trace_shadow_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     // The bounce at which the shadow ray was made; the path itself is one further by now.
     let bounce = paths[plane(PLANE_SHADOW_DIRECTION, slot)].w;
     let seed = ray_alpha_seed(Rng(rng.y, rng.z, 0u), 2u * bounce + 1u);
-    if !trace_any(Ray(origin.xyz, 0.0, direction, origin.w), seed) {
-        add_radiance(slot, bitcast<vec3<f32>>(paths[plane(PLANE_SHADOW_LIGHT, slot)].xyz));
+    let light = bitcast<vec4<f32>>(paths[plane(PLANE_SHADOW_LIGHT, slot)]);
+    let ray = Ray(origin.xyz, 0.0, direction, origin.w);
+    let passed = visibility(ray, light.w, frame.max_depth - 1u - bounce, seed);
+    if any(passed > vec3(0.0)) {
+        add_radiance(slot, light.xyz * passed);
     }
 }

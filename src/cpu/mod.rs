@@ -28,3 +28,4 @@ pub mod sobol;
 pub mod spectrum;
 pub mod surface;
 pub mod texture;
+pub mod visibility;

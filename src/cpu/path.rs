@@ -2,19 +2,21 @@
 //! The GPU's kernels (`shaders/kernels`) are the sentences of `Li` taken apart.
 
 use super::bsdf::bsdf::{bsdf_eval, bsdf_is_delta, bsdf_sample};
-use super::bvh::{trace_any, trace_closest};
+use super::bsdf::lobe::DELTA_STRAIGHT;
+use super::bvh::trace_closest;
 use super::camera::camera_ray;
 use super::estimator::*;
 use super::light::environment::Le_environment;
 use super::light::light::{light_pdf_environment, light_pdf_triangle, light_sample};
 use super::material::{Le_surface, bsdf_at};
 use super::math::{to_local, to_world};
-use super::medium::{MEDIA_NONE, interface_at, media_far, media_near, transmittance};
+use super::medium::{MEDIA_NONE, interface_at, media_far, media_ior, media_near, transmittance};
 use super::ray::{Ray, offset_origin};
 use super::rng::{Rng, next_1d, next_2d, rng_init};
 use super::sample::sample_blackman_harris;
 use super::spectrum::{sample_wavelength, wavelength_weight};
 use super::surface::surface_at;
+use super::visibility::visibility;
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
 use crate::render::{Counts, Progress, Settings};
@@ -125,9 +127,14 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
                 };
                 if Ld != DVec3::ZERO {
                     counts.shadow_rays += 1;
-                    if !trace_any(packed, shadow, ray_alpha_seed(*rng, 2 * bounce + 1)) {
-                        L += Ld;
-                    }
+                    L += Ld
+                        * visibility(
+                            packed,
+                            shadow,
+                            media_ior(packed, along, wavelength),
+                            frame.max_depth - 1 - bounce,
+                            ray_alpha_seed(*rng, 2 * bounce + 1),
+                        );
                 }
             }
         }
@@ -155,6 +162,11 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
         }
         if beta == DVec3::ZERO {
             break;
+        }
+        if sample.delta == DELTA_STRAIGHT {
+            // Still the same ray: light beyond is weighted as for its start.
+            ray.t_min = hit.t;
+            continue;
         }
         (pdf_bsdf, delta) = (sample.pdf, sample.delta != 0);
         ray = Ray {

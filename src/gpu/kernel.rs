@@ -113,29 +113,21 @@ impl Kernel {
         entry: &str,
         constants: &[(&str, f64)],
     ) -> Result<Arc<Self>, KernelError> {
-        let name = format!("{module} {entry} {constants:?}");
         let kernels = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = kernels.get(&name) {
+        if let Some(kernel) = kernels.get(&name_of(module, entry, constants)) {
             return Ok(Arc::clone(kernel));
         }
         drop(kernels);
         let linked = link(&format!("kernels/{module}"))?;
-        Self::of_renderer_linked(gpu, module, &linked, entry, constants)
+        let kernel = Arc::new(Self::with_constants(gpu, &linked, entry, constants)?);
+        kernel.keep(gpu, module, entry, constants);
+        Ok(kernel)
     }
 
-    /// The same from a text that takes the module's place on this device from now on: a test's broken one.
-    pub fn of_renderer_linked(
-        gpu: &Gpu,
-        module: &str,
-        linked: &Linked,
-        entry: &str,
-        constants: &[(&str, f64)],
-    ) -> Result<Arc<Self>, KernelError> {
-        let name = format!("{module} {entry} {constants:?}");
-        let kernel = Arc::new(Self::with_constants(gpu, linked, entry, constants)?);
+    /// Stands for this one of the renderer's kernels on this device from now on, as a test's broken ones do.
+    pub fn keep(self: &Arc<Self>, gpu: &Gpu, module: &str, entry: &str, constants: &[(&str, f64)]) {
         let mut kernels = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        kernels.insert(name, Arc::clone(&kernel));
-        Ok(kernel)
+        kernels.insert(name_of(module, entry, constants), Arc::clone(self));
     }
 
     /// The bind groups 0 to the highest one used, with what `resource(group, binding)` gives.
@@ -163,4 +155,9 @@ impl Kernel {
             })
             .collect()
     }
+}
+
+/// By which a device finds a kernel of the renderer's again.
+fn name_of(module: &str, entry: &str, constants: &[(&str, f64)]) -> String {
+    format!("{module} {entry} {constants:?}")
 }

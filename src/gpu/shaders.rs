@@ -66,6 +66,7 @@ pub const MODULES: &[Module] = modules![
     "surface",
     "texture",
     "variant",
+    "visibility",
 ];
 
 /// The text of a module.

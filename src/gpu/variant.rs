@@ -33,6 +33,7 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
         ("TEST_ALPHA", flag(packed.frame.has_alpha != 0)),
         ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),
         ("DISPERSION", some(|m| m.dispersion > 0.0)),
+        ("THIN_WALLS", flag(packed.frame.has_thin_walls != 0)),
         (
             "BASE_COLOR_TEXTURES",
             some(|m| any(&[&m.base_color_texture])),

@@ -7,6 +7,7 @@ mod dispersion;
 #[path = "../analytic/expect.rs"]
 mod expect;
 mod nested;
+mod panes;
 mod parity;
 #[path = "../common/picture.rs"]
 mod picture;

@@ -3,14 +3,15 @@
 use crate::common;
 use crate::picture::{assert_parity, on_cpu, on_gpu, whole};
 use crate::stage::{Stage, bsdf, lambertian, lamp, rectangle, turned, wide};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use snell::compare::relative_within;
 use snell::gpu::kernel::Kernel;
 use snell::gpu::link::link;
 use snell::gpu::variant;
 use snell::pack::Packed;
 use snell::scene::bsdf_model::{Alpha, BsdfModel, Distribution};
-use snell::scene::{Environment, Material, Mesh};
+use snell::scene::{Environment, Material, Mesh, Model};
+use std::sync::Arc;
 
 const SIZE: [u32; 2] = [64, 64];
 const SAMPLES: u32 = 4;
@@ -24,6 +25,16 @@ fn glass(ior: f32, alpha: Option<f32>) -> Material {
             alpha: Alpha::Isotropic(alpha),
         }),
     })
+}
+
+fn sky() -> Environment {
+    Environment {
+        width: 4,
+        height: 2,
+        radiance: vec![[0.3, 0.4, 0.6]; 8],
+        strength: 1.0,
+        rotation: 0.0,
+    }
 }
 
 fn ball(at: Vec3, radius: f32) -> Mesh {
@@ -65,13 +76,7 @@ fn aquarium() -> Packed {
         )),
         lamp([8.0; 3]),
     );
-    stage.scene.environment = Some(Environment {
-        width: 4,
-        height: 2,
-        radiance: vec![[0.3, 0.4, 0.6]; 8],
-        strength: 1.0,
-        rotation: 0.0,
-    });
+    stage.scene.environment = Some(sky());
     let mut view = stage.view(SIZE);
     view.max_depth = 12;
     view.camera.world_from_camera =
@@ -90,6 +95,101 @@ fn media_agree_with_the_reference() {
     );
 }
 
+/// A smooth, a rough and a hazy pane, one behind the other over a floor, under a lamp, a point light and a sky.
+fn greenhouse() -> Packed {
+    let mut stage = Stage::default();
+    stage.add(wide(-1.0), lambertian([0.8, 0.6, 0.4]));
+    let mut add = |z: f32, turn: f32, roughness: f32, transmission: f32| {
+        let mut mesh = rectangle(Vec3::new(-0.6, -0.6, z), Vec3::new(0.35, 0.35, z));
+        let turn = Affine3A::from_rotation_x(turn);
+        for primitive in &mut mesh.primitives {
+            let positions = primitive.positions.iter_mut();
+            positions.for_each(|p| *p = turn.transform_point3(*p));
+            let normals = primitive.normals.iter_mut();
+            normals.for_each(|n| *n = turn.transform_vector3(*n));
+        }
+        let mut pane = crate::panes::pane();
+        if let Model::MetallicRoughness(m) = &mut pane.model {
+            m.roughness = roughness;
+            m.extensions.transmission = transmission.into();
+        }
+        stage.add(mesh, pane);
+    };
+    add(0.0, 0.5, 0.0, 1.0);
+    add(-0.2, -0.6, 0.4, 1.0);
+    add(-0.4, 0.1, 0.0, 0.6);
+    add(0.4, 0.8, 0.0, 1.0);
+    stage.add(
+        turned(rectangle(
+            Vec3::new(0.5, -0.6, 1.0),
+            Vec3::new(1.5, 0.6, 1.0),
+        )),
+        lamp([4.0; 3]),
+    );
+    crate::panes::point_light(&mut stage, DVec3::new(-0.5, 0.3, 1.5));
+    stage.scene.environment = Some(sky());
+    let mut view = stage.view(SIZE);
+    // Fewer than the panes in a row.
+    view.max_depth = 3;
+    stage.pack_view(&view)
+}
+
+#[test]
+fn panes_agree_with_the_reference() {
+    let packed = greenhouse();
+    let settings = whole(&packed, SAMPLES);
+    let ours = on_gpu(&mut common::gpu(), &packed, &settings);
+    println!(
+        "{}",
+        assert_parity("greenhouse", &ours, &on_cpu(&packed, &settings))
+    );
+}
+
+#[test]
+fn breaks_of_panes_are_seen() {
+    let broken = |name, kernel, from, to| Break {
+        name,
+        kernel,
+        from,
+        to,
+    };
+    assert_seen(
+        &greenhouse(),
+        &[
+            broken(
+                "panes are forgotten",
+                SHADE,
+                "path.ray.t_min = hit.t;",
+                "path.ray.t_min = 0.0;",
+            ),
+            broken(
+                "panes are where rays begin anew",
+                SHADE,
+                "if THIN_WALLS && sample.delta == DELTA_STRAIGHT {",
+                "if false {",
+            ),
+            broken(
+                "panes block chosen light",
+                SHADOW,
+                "(material.flags & MATERIAL_THIN_WALLED) == 0u",
+                "true",
+            ),
+            broken(
+                "panes do not tint chosen light",
+                SHADOW,
+                "passed *= straight_transmittance(",
+                "passed *= 1.0 + 0.0 * straight_transmittance(",
+            ),
+            broken(
+                "chosen light passes too many panes",
+                SHADOW,
+                "frame.max_depth - 1u - bounce",
+                "frame.max_depth",
+            ),
+        ],
+    );
+}
+
 /// A kernel's text in which `from`, which stands there once, is `to`.
 struct Break {
     name: &'static str,
@@ -99,12 +199,14 @@ struct Break {
 }
 
 const SHADE: [&str; 2] = ["shade", "shade_kernel"];
+const SHADOW: [&str; 2] = ["trace_shadow", "trace_shadow_kernel"];
 
 /// Each break must change the picture.
 fn assert_seen(packed: &Packed, breaks: &[Break]) {
     let settings = whole(packed, SAMPLES);
     let reference = on_cpu(packed, &settings);
     let constants = variant::constants(packed);
+    let mut gpu = common::gpu();
     let mut unseen = Vec::new();
     for Break {
         name,
@@ -116,9 +218,11 @@ fn assert_seen(packed: &Packed, breaks: &[Break]) {
         let mut linked = link(&format!("kernels/{module}")).unwrap();
         assert_eq!(linked.text.matches(from).count(), 1, "{name}: `{from}`");
         linked.text = linked.text.replace(from, to);
-        let mut gpu = common::gpu();
-        Kernel::of_renderer_linked(&gpu, module, &linked, entry, &constants).unwrap();
+        let sound = Kernel::of_renderer(&gpu, module, entry, &constants).unwrap();
+        let broken = Kernel::with_constants(&gpu, &linked, entry, &constants).unwrap();
+        Arc::new(broken).keep(&gpu, module, entry, &constants);
         let broken = on_gpu(&mut gpu, packed, &settings);
+        sound.keep(&gpu, module, entry, &constants);
         let floor = 1e-3 * reference.average();
         let within = relative_within(&broken, &reference, 1e-3, floor).fraction;
         println!("{name}: {:.1} % of pixels differ", 100.0 * (1.0 - within));
