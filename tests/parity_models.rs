@@ -36,9 +36,10 @@ fn gltf(inputs: &mut Inputs, b: &mut Bsdf) {
     let plain = ((eta - 1.0) / (eta + 1.0)).powi(2);
     (g.F0, g.F90) = ([plain; 3], 1.0);
     if inputs.pick(4) == 0 {
-        // KHR_materials_specular scales both.
-        g.F90 = inputs.unit();
-        g.F0 = inputs.color().map(|F0| F0 * g.F90);
+        // KHR_materials_specular scales both. Facets of F0 = 0 reflect the difference of the exact
+        // Fresnel term and its value at normal incidence: rounding, near there.
+        g.F90 = inputs.range(0.1, 1.0);
+        g.F0 = inputs.color().map(|F0| F0.max(0.1) * g.F90);
     }
     let strength = |inputs: &mut Inputs| match inputs.pick(4) {
         0 | 1 => 0.0,
@@ -102,13 +103,15 @@ fn model(inputs: &mut Inputs, model: u32, b: &mut Bsdf) {
         BSDF_GLTF => {
             gltf(inputs, b);
             b.roughness = rough(inputs).sqrt();
-            // A black metal reflects next to nothing, and by which lobe is a matter of rounding.
-            if b.reflectance == [0.0; 3] {
-                b.reflectance = [0.02; 3];
-            }
+            // Black reflects next to nothing, and by which lobe is a matter of rounding.
+            b.reflectance = b.reflectance.map(|channel| channel.max(0.02));
+            b.gltf.diffuse_transmission_color = b
+                .gltf
+                .diffuse_transmission_color
+                .map(|channel| channel.max(0.02));
             // Where a film cancels a channel, what is left is rounding, which narrow lobes make bright.
             if b.gltf.iridescence > 0.0 {
-                b.roughness = b.roughness.max(0.3);
+                b.roughness = b.roughness.max(0.4);
             }
             b.alpha = [b.roughness * b.roughness; 2];
             if inputs.pick(4) == 0 {
@@ -185,10 +188,21 @@ fn is_resolved(tables: &Tables, q: &Query, share: f64) -> bool {
     let e = bsdf_eval(tables, &q.bsdf, q.wo, q.wi);
     let last_bit = f64::from(f32::EPSILON) / 2.0;
     DVec3::AXES.iter().all(|axis| {
-        let moved = bsdf_eval(tables, &q.bsdf, q.wo, q.wi + last_bit * axis);
-        let change =
-            (moved.f.max_element() - e.f.max_element()).abs() / e.f.max_element().max(FLOOR);
-        change.max((moved.pdf - e.pdf).abs() / e.pdf.max(FLOOR)) < share
+        let step = last_bit * axis;
+        // glTF's frames of its own round wo too.
+        let step_o = if q.bsdf.model == BSDF_GLTF {
+            step
+        } else {
+            DVec3::ZERO
+        };
+        [(DVec3::ZERO, step), (step_o, DVec3::ZERO)]
+            .into_iter()
+            .all(|(o, i)| {
+                let moved = bsdf_eval(tables, &q.bsdf, q.wo + o, q.wi + i);
+                let change = (moved.f.max_element() - e.f.max_element()).abs()
+                    / e.f.max_element().max(FLOOR);
+                change.max((moved.pdf - e.pdf).abs() / e.pdf.max(FLOOR)) < share
+            })
     })
 }
 
@@ -222,7 +236,9 @@ fn check_eval(title: &str, kind: u32) {
         // Only transmission needs it: facets seen edge on, where wo . wm is a difference.
         |q, _| {
             let transmits = kind == BSDF_ROUGH_DIELECTRIC || kind == BSDF_GLTF;
-            !passes_edge_on(q) && (!transmits || is_resolved(&tables, q, 1e-4))
+            // glTF's coat and anisotropy have frames of their own, where directions are rounded once more.
+            let share = if kind == BSDF_GLTF { 3e-5 } else { 1e-4 };
+            !passes_edge_on(q) && (!transmits || is_resolved(&tables, q, share))
         },
     );
 }
@@ -278,7 +294,12 @@ fn check_sample(title: &str, kind: u32) {
     );
     // Facets seen edge on (u near 1) have directions that are differences of nearly equal vectors.
     assert!(far < COUNT / 300, "{title}: {far} directions differ");
-    assert!(parted < COUNT / 3000, "{title}: {parted} samples differ");
+    // glTF has five ways to choose from, others two.
+    let borders = if kind == BSDF_GLTF { 4 } else { 1 };
+    assert!(
+        parted < borders * COUNT / 3000,
+        "{title}: {parted} samples differ"
+    );
     // f and pdf of the direction that was returned; a delta's are those of the twin's own sample.
     compare(
         &format!("sample {title}"),

@@ -31,8 +31,8 @@ import package::bsdf::sheen::{f_sheen};
 // Where several lobes exist, each is chosen at least about so often, or so many times as often as its
 // albedo says: a lobe can be brighter than its mean over directions, and weights stay bounded.
 const LOBE_PROBABILITY_MIN: f32 = 0.1;
-const FACETS_OVERSAMPLING_MAX: f32 = 1e4;
-const DIFFUSE_OVERSAMPLING_MAX: f32 = 10.0; // its albedo may be rounding, of 1 - E
+const REFLECTION_OVERSAMPLING_MAX: f32 = 1e4;
+const REST_OVERSAMPLING_MAX: f32 = 3.0; // what is not reflected may be rounding, of 1 - E
 // What the diffuse part divides by at least; only a dielectric that reflects everything gets there.
 const PASSED_AVERAGE_MIN: f32 = 1e-4;
 
@@ -195,11 +195,11 @@ fn gltf_view(bsdf: Bsdf, wo: vec3<f32>) -> GltfView {
     let cosine_below = base * luminance(below * g.diffuse_transmission_color * diffuse
         + refracted * (1.0 - view.near.returned) * view.energy.missing);
     let total = view.coat + reflection + transmission + cosine_above + cosine_below;
-    view.p_coat = lobe_probability(view.coat, total, FACETS_OVERSAMPLING_MAX);
-    view.p_reflection = lobe_probability(reflection, total, FACETS_OVERSAMPLING_MAX);
-    view.p_transmission = lobe_probability(transmission, total, FACETS_OVERSAMPLING_MAX);
-    view.p_above = lobe_probability(cosine_above, total, DIFFUSE_OVERSAMPLING_MAX);
-    view.p_below = lobe_probability(cosine_below, total, DIFFUSE_OVERSAMPLING_MAX);
+    view.p_coat = lobe_probability(view.coat, total, REFLECTION_OVERSAMPLING_MAX);
+    view.p_reflection = lobe_probability(reflection, total, REFLECTION_OVERSAMPLING_MAX);
+    view.p_transmission = lobe_probability(transmission, total, REST_OVERSAMPLING_MAX);
+    view.p_above = lobe_probability(cosine_above, total, REST_OVERSAMPLING_MAX);
+    view.p_below = lobe_probability(cosine_below, total, REST_OVERSAMPLING_MAX);
     let sum = view.p_coat + view.p_reflection + view.p_transmission + view.p_above + view.p_below;
     if sum > 0.0 {
         view.p_coat /= sum;

@@ -77,7 +77,7 @@ pub fn lobes(roughness: f64) -> Vec<Lobe> {
     let diffuse = |rest: &str| format!(r#"{{"model":{rest},"reflectance":{white}}}"#);
     // Visible normals weigh G2/G1 <= 1. Normals drawn by D cos weigh G (wo . wm) / (cos_o cos_m), which
     // V-cavities keep under 2. Oren and Nayar's forms grow like roughness / cos_o at grazing angles, here up
-    // to 85 degrees, and are sampled by the cosine. glTF's lobes are each chosen with a probability of about 0.1, or ten times their share.
+    // to 85 degrees, and are sampled by the cosine. glTF's lobes are each chosen with a probability of about 0.1, or three times their share.
     [
         ("lambertian", diffuse(r#""lambertian""#), 1.0),
         (

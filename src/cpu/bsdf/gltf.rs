@@ -38,9 +38,9 @@ use glam::{DVec2, DVec3};
 /// Where several lobes exist, each is chosen at least about so often, or so many times as often as its
 /// albedo says: a lobe can be brighter than its mean over directions, and weights stay bounded.
 pub const LOBE_PROBABILITY_MIN: f64 = 0.1;
-pub const FACETS_OVERSAMPLING_MAX: f64 = 1e4;
-/// Its albedo may be rounding, of 1 - E.
-pub const DIFFUSE_OVERSAMPLING_MAX: f64 = 10.0;
+pub const REFLECTION_OVERSAMPLING_MAX: f64 = 1e4;
+/// What is not reflected may be rounding, of 1 - E.
+pub const REST_OVERSAMPLING_MAX: f64 = 3.0;
 /// What the diffuse part divides by at least; only a dielectric that reflects everything gets there.
 pub const PASSED_AVERAGE_MIN: f64 = 1e-4;
 
@@ -257,11 +257,11 @@ pub fn gltf_view(tables: &Tables, bsdf: &Bsdf, wo: DVec3) -> GltfView {
                 + refracted * (1.0 - view.near.returned) * view.energy.missing,
         );
     let total = view.coat + reflection + transmission + cosine_above + cosine_below;
-    view.p_coat = lobe_probability(view.coat, total, FACETS_OVERSAMPLING_MAX);
-    view.p_reflection = lobe_probability(reflection, total, FACETS_OVERSAMPLING_MAX);
-    view.p_transmission = lobe_probability(transmission, total, FACETS_OVERSAMPLING_MAX);
-    view.p_above = lobe_probability(cosine_above, total, DIFFUSE_OVERSAMPLING_MAX);
-    view.p_below = lobe_probability(cosine_below, total, DIFFUSE_OVERSAMPLING_MAX);
+    view.p_coat = lobe_probability(view.coat, total, REFLECTION_OVERSAMPLING_MAX);
+    view.p_reflection = lobe_probability(reflection, total, REFLECTION_OVERSAMPLING_MAX);
+    view.p_transmission = lobe_probability(transmission, total, REST_OVERSAMPLING_MAX);
+    view.p_above = lobe_probability(cosine_above, total, REST_OVERSAMPLING_MAX);
+    view.p_below = lobe_probability(cosine_below, total, REST_OVERSAMPLING_MAX);
     let sum = view.p_coat + view.p_reflection + view.p_transmission + view.p_above + view.p_below;
     if sum > 0.0 {
         view.p_coat /= sum;
