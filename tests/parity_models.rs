@@ -39,7 +39,7 @@ fn gltf(inputs: &mut Inputs, b: &mut Bsdf) {
         // KHR_materials_specular scales both. Facets of F0 = 0 reflect the difference of the exact
         // Fresnel term and its value at normal incidence: rounding, near there.
         g.F90 = inputs.range(0.1, 1.0);
-        g.F0 = inputs.color().map(|F0| F0.max(0.1) * g.F90);
+        g.F0 = inputs.color().map(|channel| channel.max(0.1) * g.F90);
     }
     let strength = |inputs: &mut Inputs| match inputs.pick(4) {
         0 | 1 => 0.0,
