@@ -1,36 +1,45 @@
-// What a pipeline may take for granted of its scene; the host sets it from the packed scene
-// (src/gpu/variant.rs). The defaults take nothing for granted.
+// What a pipeline may take for granted of its scene; the host writes other values here for the packed
+// scene (src/gpu/variant.rs) and takes out what they decide. These take nothing for granted.
 //
 // A driver that carries out every branch for the lanes that take another one (llvmpipe of Mesa 22)
 // pays for each model, texture and mask at every surface, whether the scene has it or not.
 
-override TEST_ALPHA: bool = true;                // some material is masked or blended
-override MEDIA: bool = true;                     // some material is the boundary of a medium
-override DISPERSION: bool = true;                // that disperses
-override THIN_WALLS: bool = true;                // some material is a thin wall
-override BASE_COLOR_TEXTURES: bool = true;       // some material has one; and so on
-override METALLIC_ROUGHNESS_TEXTURES: bool = true;
-override NORMAL_TEXTURES: bool = true;
-override EMISSIVE_TEXTURES: bool = true;
-override TRANSMISSION_TEXTURES: bool = true;
-override DIFFUSE_TRANSMISSION_TEXTURES: bool = true;
-override SPECULAR_TEXTURES: bool = true;
-override ANISOTROPY_TEXTURES: bool = true;
-override COAT_TEXTURES: bool = true;
-override SHEEN_TEXTURES: bool = true;
-override IRIDESCENCE_TEXTURES: bool = true;
-override COAT_NORMALS: bool = true;              // some coat lies over a normal map or has its own
+import package::shared::{BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_GLTF};
+
+const TEST_ALPHA: bool = true;                // some material is masked or blended
+const MEDIA: bool = true;                     // some material is the boundary of a medium
+const DISPERSION: bool = true;                // that disperses
+const THIN_WALLS: bool = true;                // some material is a thin wall
+const BASE_COLOR_TEXTURES: bool = true;       // some material has one; and so on
+const METALLIC_ROUGHNESS_TEXTURES: bool = true;
+const NORMAL_TEXTURES: bool = true;
+const EMISSIVE_TEXTURES: bool = true;
+const TRANSMISSION_TEXTURES: bool = true;
+const DIFFUSE_TRANSMISSION_TEXTURES: bool = true;
+const SPECULAR_TEXTURES: bool = true;
+const ANISOTROPY_TEXTURES: bool = true;
+const COAT_TEXTURES: bool = true;
+const SHEEN_TEXTURES: bool = true;
+const IRIDESCENCE_TEXTURES: bool = true;
+const COAT_NORMALS: bool = true;              // some coat lies over a normal map or has its own
 
 // Lobes of glTF's extensions.
-override COAT: bool = true;                      // some material has one; and so on
-override SHEEN: bool = true;
-override TRANSMISSION: bool = true;
-override DIFFUSE_TRANSMISSION: bool = true;
-override IRIDESCENCE: bool = true;
-override ANISOTROPY: bool = true;
+const COAT: bool = true;                      // some material has one; and so on
+const SHEEN: bool = true;
+const TRANSMISSION: bool = true;
+const DIFFUSE_TRANSMISSION: bool = true;
+const IRIDESCENCE: bool = true;
+const ANISOTROPY: bool = true;
+
+// The reflection models that some material has, one bit each: 1 << BSDF_LAMBERTIAN and so on.
+const MODELS: u32 = 0xffffffffu;
+const HAS_OREN_NAYAR: bool = (MODELS & ((1u << BSDF_OREN_NAYAR) | (1u << BSDF_OREN_NAYAR_EON))) != 0u;
+const HAS_ROUGH_DIELECTRIC: bool = (MODELS & (1u << BSDF_ROUGH_DIELECTRIC)) != 0u;
+const HAS_TORRANCE_SPARROW: bool = (MODELS & (1u << BSDF_TORRANCE_SPARROW)) != 0u;
+const HAS_GLTF: bool = (MODELS & (1u << BSDF_GLTF)) != 0u;
 
 // What all reflecting materials have in common, or NONE.
-override COMMON_MODEL: u32 = 0xffffffffu;
-override COMMON_FRESNEL: u32 = 0xffffffffu;
-override COMMON_DISTRIBUTION: u32 = 0xffffffffu;
-override COMMON_MASKING: u32 = 0xffffffffu;
+const COMMON_MODEL: u32 = 0xffffffffu;
+const COMMON_FRESNEL: u32 = 0xffffffffu;
+const COMMON_DISTRIBUTION: u32 = 0xffffffffu;
+const COMMON_MASKING: u32 = 0xffffffffu;

@@ -174,7 +174,7 @@ mutations! {
         "energy.missing, view.far.average.missing);" => "energy.missing, view.near.average.missing);",
         Parity(Stage::Eval), ROUGH_GLASS;
     light_not_mirrored_with_the_viewer:
-        "mirrored(wo), mirrored(wi));" => "mirrored(wo), wi);", Parity(Stage::Eval), GREY;
+        "select(wi, mirrored(wi), below));" => "wi);", Parity(Stage::Eval), GREY;
 }
 
 /// Random directions on both sides; viewers on both sides too, so that mirroring is seen.

@@ -9,6 +9,7 @@ use common::shapes;
 use glam::{Affine3A, Vec3, Vec4};
 use picture::*;
 use snell::film::Film;
+use snell::gpu::link::Value;
 use snell::gpu::render::{RenderError, render, render_in_batches};
 use snell::gpu::upload::{Scene, UploadError};
 use snell::gpu::variant;
@@ -184,7 +185,7 @@ fn a_variant_shows_what_the_general_kernels_show() {
             capacity: 64 * 48 * 2,
             ..packed.frame
         };
-        let cells = |constants: &[(&str, f64)]| {
+        let cells = |constants: &[(&str, Value)]| {
             let scene = Scene::upload(&gpu, &packed).unwrap();
             let wavefront =
                 Wavefront::new(&gpu, scene, constants, frame.capacity, 64 * 48).unwrap();

@@ -3,6 +3,8 @@
 
 mod common;
 
+use snell::gpu::link::Value;
+use snell::gpu::prune::prune;
 use snell::gpu::{link, shaders};
 use std::path::Path;
 
@@ -77,4 +79,98 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let bytes = common::run(root, &[bytemuck::cast_slice(&input)], 4000, 1000);
     let output: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
     assert!(output.iter().zip(&input).all(|(o, i)| *o == 3 * i));
+}
+
+/// A program whose branches hang on a constant, and the same with the constant's value as an input.
+const BRANCHES: &str = "
+const ON: bool = true;
+@group(3) @binding(0) var<storage, read> input: array<u32>;
+@group(3) @binding(1) var<storage, read_write> output: array<u32>;
+fn is_on_and_odd(on: bool, x: u32) -> bool { return on && (x & 1u) == 1u; }
+fn is_odd(x: u32) -> bool { return ON && (x & 1u) == 1u; }
+fn is_off() -> bool { return !ON; }
+fn heavy(x: u32) -> u32 { return x * 3u + input[x % 7u]; }
+fn given(on: bool, x: u32) -> u32 {
+    var y = x;
+    if is_on_and_odd(on, x) || (!on && x % 5u == 0u) { y = heavy(x); }
+    for (var i = 0u; i < 4u; i++) {
+        if !on && i == 2u { break; }
+        if on { y += i; continue; }
+        y += 100u;
+    }
+    switch x % 3u {
+        case 0u: { if on { return y; } y ^= 7u; }
+        default: { y += 1u; }
+    }
+    if !on { return y + 1u; }
+    return y;
+}
+fn decided(x: u32) -> u32 {
+    var y = x;
+    if is_odd(x) || (is_off() && x % 5u == 0u) { y = heavy(x); }
+    for (var i = 0u; i < 4u; i++) {
+        if !ON && i == 2u { break; }
+        if ON { y += i; continue; }
+        y += 100u;
+    }
+    switch x % 3u {
+        case 0u: { if ON { return y; } y ^= 7u; }
+        default: { y += 1u; }
+    }
+    if is_off() { return y + 1u; }
+    return y;
+}
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let x = id.x;
+    if x >= 200u { return; }
+    output[2u * x] = given(input[7] == 1u, x);
+    output[2u * x + 1u] = decided(x);
+}
+@compute @workgroup_size(1)
+fn other() { output[0] = heavy(3u); }";
+
+#[test]
+fn what_a_constant_decides_is_what_a_value_decides() {
+    for on in [false, true] {
+        let root = BRANCHES.replace("= true;", &format!("= {on};"));
+        let input = [9, 8, 7, 6, 5, 4, 3, u32::from(on)];
+        let bytes = common::run(&root, &[bytemuck::cast_slice(&input)], 1600, 200);
+        let output: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
+        for pair in output.chunks(2) {
+            assert_eq!(pair[0], pair[1], "{on}");
+        }
+    }
+}
+
+#[test]
+fn what_no_constant_leaves_is_gone() {
+    const ONE: &str = "
+const ON: bool = true;
+@group(0) @binding(0) var<storage, read_write> a: array<u32>;
+@group(0) @binding(1) var<storage, read_write> b: array<u32>;
+fn is_large(x: u32) -> bool { return ON && x > 3u; }
+fn heavy(x: u32) -> u32 { return b[x]; }
+@compute @workgroup_size(1) fn other() { b[0] = 1u; }
+@compute @workgroup_size(1) fn main() {
+    var x = a[0];
+    if is_large(x) || (!(ON || x == 9u) && ON) { x = heavy(x); }
+    a[1] = x;
+}";
+    let linked = link::link_text("one", ONE).unwrap();
+    let pruned = |on| {
+        let given = linked.with_constants(&[("ON", Value::Bool(on)), ("OTHER", Value::Uint(3))]);
+        let (mut module, _) = given.validate().unwrap();
+        prune(&mut module, "main");
+        naga::valid::Validator::new(
+            naga::valid::ValidationFlags::all(),
+            naga::valid::Capabilities::default(),
+        )
+        .validate(&module)
+        .unwrap();
+        assert_eq!(module.entry_points.len(), 1);
+        (module.functions.len(), module.global_variables.len())
+    };
+    assert_eq!(pruned(true), (2, 2));
+    assert_eq!(pruned(false), (0, 1));
 }

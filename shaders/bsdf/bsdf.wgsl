@@ -4,8 +4,9 @@
 // wi mirrored too; eta of a dielectric is always the far side's index over the near side's, seen from wo.
 
 import package::shared::{Bsdf, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION, BSDF_DIELECTRIC, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_GLTF};
+import package::variant::{HAS_OREN_NAYAR, HAS_ROUGH_DIELECTRIC, HAS_TORRANCE_SPARROW, HAS_GLTF};
 import package::sample::{sample_cosine_hemisphere, pdf_cosine_hemisphere};
-import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of, is_reflected, mirrored, MIN_COS};
+import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of, is_reflected, mirrored};
 import package::bsdf::specular::{specular_reflection_sample, specular_transmission_sample};
 import package::bsdf::lambertian::{f_lambertian};
 import package::bsdf::oren_nayar::{f_oren_nayar, f_oren_nayar_eon};
@@ -27,7 +28,7 @@ fn bsdf_is_delta(bsdf: Bsdf) -> bool {
             return is_smooth(bsdf);
         }
         case BSDF_GLTF: {
-            return gltf_is_delta(bsdf);
+            return HAS_GLTF && gltf_is_delta(bsdf);
         }
         default: {
             return false;
@@ -41,9 +42,9 @@ fn diffuse_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
         return no_eval();
     }
     var f = f_lambertian(bsdf.reflectance);
-    if bsdf.model == BSDF_OREN_NAYAR {
+    if HAS_OREN_NAYAR && bsdf.model == BSDF_OREN_NAYAR {
         f = f_oren_nayar(bsdf.reflectance, bsdf.roughness, wo, wi);
-    } else if bsdf.model == BSDF_OREN_NAYAR_EON {
+    } else if HAS_OREN_NAYAR && bsdf.model == BSDF_OREN_NAYAR_EON {
         f = f_oren_nayar_eon(bsdf.reflectance, bsdf.roughness, wo, wi);
     }
     return BsdfEval(f, pdf_cosine_hemisphere(wi.z));
@@ -51,10 +52,9 @@ fn diffuse_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
 
 // f and the density with which bsdf_sample finds wi, deltas left out: both 0 for pure deltas.
 fn bsdf_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
-    if wo.z < 0.0 {
-        return bsdf_eval_above(bsdf, mirrored(wo), mirrored(wi));
-    }
-    return bsdf_eval_above(bsdf, wo, wi);
+    // One call for both sides: a driver puts a copy of all models in the place of each.
+    let below = wo.z < 0.0;
+    return bsdf_eval_above(bsdf, select(wo, mirrored(wo), below), select(wi, mirrored(wi), below));
 }
 
 fn bsdf_eval_above(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
@@ -66,13 +66,22 @@ fn bsdf_eval_above(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
             return diffuse_eval(bsdf, wo, wi);
         }
         case BSDF_ROUGH_DIELECTRIC: {
-            return rough_dielectric_eval(bsdf, wo, wi);
+            if HAS_ROUGH_DIELECTRIC {
+                return rough_dielectric_eval(bsdf, wo, wi);
+            }
+            return no_eval();
         }
         case BSDF_TORRANCE_SPARROW: {
-            return torrance_sparrow_eval(bsdf, wo, wi);
+            if HAS_TORRANCE_SPARROW {
+                return torrance_sparrow_eval(bsdf, wo, wi);
+            }
+            return no_eval();
         }
         case BSDF_GLTF: {
-            return gltf_eval(bsdf, wo, wi);
+            if HAS_GLTF {
+                return gltf_eval(bsdf, wo, wi);
+            }
+            return no_eval();
         }
         default: { // BSDF_UNLIT
             return no_eval();
@@ -82,11 +91,9 @@ fn bsdf_eval_above(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
 
 // A direction of light for wo: u.x picks the lobe, u.yz the direction in it.
 fn bsdf_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
-    if wo.z < 0.0 {
-        let below = bsdf_sample_above(bsdf, mirrored(wo), u);
-        return BsdfSample(mirrored(below.wi), below.f, below.pdf, below.delta);
-    }
-    return bsdf_sample_above(bsdf, wo, u);
+    let below = wo.z < 0.0;
+    let above = bsdf_sample_above(bsdf, select(wo, mirrored(wo), below), u);
+    return BsdfSample(select(above.wi, mirrored(above.wi), below), above.f, above.pdf, above.delta);
 }
 
 fn bsdf_sample_above(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
@@ -105,19 +112,28 @@ fn bsdf_sample_above(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
             return smooth_dielectric_sample(bsdf, wo, u.x);
         }
         case BSDF_ROUGH_DIELECTRIC: {
+            if !HAS_ROUGH_DIELECTRIC {
+                return no_sample();
+            }
             if is_smooth_dielectric(bsdf) {
                 return smooth_dielectric_sample(bsdf, wo, u.x);
             }
             return rough_dielectric_sample(bsdf, wo, u);
         }
         case BSDF_TORRANCE_SPARROW: {
+            if !HAS_TORRANCE_SPARROW {
+                return no_sample();
+            }
             if is_smooth(bsdf) {
                 return specular_reflection_sample(bsdf, wo);
             }
             return torrance_sparrow_sample(bsdf, wo, u.yz);
         }
         case BSDF_GLTF: {
-            return gltf_sample(bsdf, wo, u);
+            if HAS_GLTF {
+                return gltf_sample(bsdf, wo, u);
+            }
+            return no_sample();
         }
         default: { // BSDF_UNLIT
             return no_sample();
@@ -128,7 +144,7 @@ fn bsdf_sample_above(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
 // What of the light from straight behind the surface goes on to wo unbent: that of smooth thin walls, and
 // the mean of the samples that are DELTA_STRAIGHT. 0 of all else.
 fn straight_transmittance(bsdf: Bsdf, wo: vec3<f32>) -> vec3<f32> {
-    if bsdf.model == BSDF_GLTF {
+    if HAS_GLTF && bsdf.model == BSDF_GLTF {
         return gltf_straight_transmittance(bsdf, vec3(wo.xy, abs(wo.z)));
     }
     return vec3(0.0);

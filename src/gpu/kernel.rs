@@ -1,7 +1,9 @@
 //! A linked shader as a compute pipeline, and its bind groups.
 
 use super::device::Gpu;
-use super::link::{LinkError, Linked, ShaderError, link};
+use super::link::{LinkError, Linked, ShaderError, Value, link};
+use super::prune::prune;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
 use thiserror::Error;
@@ -31,52 +33,40 @@ pub enum KernelError {
 }
 
 impl Kernel {
-    /// Validates with naga (whose messages name our files), then hands the text to the driver.
+    /// Validates with naga (whose messages name our files), then hands to the driver what is reached.
     pub fn new(gpu: &Gpu, linked: &Linked, entry: &str) -> Result<Self, KernelError> {
         Self::with_constants(gpu, linked, entry, &[])
     }
 
-    /// The same with values for those of the shader's `override` constants that are named here.
+    /// The same with values for those of the shader's constants that are named here.
     pub fn with_constants(
         gpu: &Gpu,
         linked: &Linked,
         entry: &str,
-        constants: &[(&str, f64)],
+        constants: &[(&str, Value)],
     ) -> Result<Self, KernelError> {
-        let (module, info) = linked.validate()?;
-        let index = module
-            .entry_points
-            .iter()
-            .position(|point| point.name == entry)
-            .ok_or_else(|| KernelError::NoEntry {
+        let linked = &linked.with_constants(constants);
+        let (mut module, _) = linked.validate()?;
+        if !module.entry_points.iter().any(|point| point.name == entry) {
+            return Err(KernelError::NoEntry {
                 shader: linked.name.clone(),
                 entry: entry.to_owned(),
-            })?;
-        let reach = info.get_entry_point(index);
+            });
+        }
+        prune(&mut module, entry);
+        // Only what the entry point reaches is left.
         let mut used: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for (handle, variable) in module.global_variables.iter() {
-            if let Some(place) = &variable.binding
-                && !reach[handle].is_empty()
-            {
+        for (_, variable) in module.global_variables.iter() {
+            if let Some(place) = &variable.binding {
                 used.entry(place.group).or_default().push(place.binding);
             }
         }
-        let constants: Vec<(&str, f64)> = constants
-            .iter()
-            .filter(|(name, _)| {
-                module
-                    .overrides
-                    .iter()
-                    .any(|(_, constant)| constant.name.as_deref() == Some(*name))
-            })
-            .copied()
-            .collect();
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let shader = gpu
             .device
             .create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(&linked.name),
-                source: wgpu::ShaderSource::Wgsl(linked.text.as_str().into()),
+                source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
             });
         let pipeline = gpu
             .device
@@ -85,10 +75,7 @@ impl Kernel {
                 layout: None,
                 module: &shader,
                 entry_point: Some(entry),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &constants,
-                    ..Default::default()
-                },
+                compilation_options: Default::default(),
                 cache: None,
             });
         if let Some(error) = pollster::block_on(scope.pop()) {
@@ -111,7 +98,7 @@ impl Kernel {
         gpu: &Gpu,
         module: &str,
         entry: &str,
-        constants: &[(&str, f64)],
+        constants: &[(&str, Value)],
     ) -> Result<Arc<Self>, KernelError> {
         let kernels = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kernel) = kernels.get(&name_of(module, entry, constants)) {
@@ -125,7 +112,13 @@ impl Kernel {
     }
 
     /// Stands for this one of the renderer's kernels on this device from now on, as a test's broken ones do.
-    pub fn keep(self: &Arc<Self>, gpu: &Gpu, module: &str, entry: &str, constants: &[(&str, f64)]) {
+    pub fn keep(
+        self: &Arc<Self>,
+        gpu: &Gpu,
+        module: &str,
+        entry: &str,
+        constants: &[(&str, Value)],
+    ) {
         let mut kernels = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
         kernels.insert(name_of(module, entry, constants), Arc::clone(self));
     }
@@ -158,6 +151,6 @@ impl Kernel {
 }
 
 /// By which a device finds a kernel of the renderer's again.
-fn name_of(module: &str, entry: &str, constants: &[(&str, f64)]) -> String {
+fn name_of(module: &str, entry: &str, constants: &[(&str, Value)]) -> String {
     format!("{module} {entry} {constants:?}")
 }

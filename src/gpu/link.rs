@@ -7,6 +7,7 @@
 
 use super::shaders;
 use std::collections::HashSet;
+use std::fmt;
 use thiserror::Error;
 
 /// A program as one text, with the way back from its lines to the files' lines.
@@ -16,6 +17,22 @@ pub struct Linked {
     pub text: String,
     /// For each line of `text`: module and line number in it, from 1.
     lines: Vec<(String, usize)>,
+}
+
+/// A constant's value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    Bool(bool),
+    Uint(u32),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Value::Bool(value) => write!(f, "{value}"),
+            Value::Uint(value) => write!(f, "{value}u"),
+        }
+    }
 }
 
 #[derive(Debug, Error)]
@@ -147,6 +164,29 @@ fn defines(text: &str, name: &str) -> bool {
 }
 
 impl Linked {
+    /// The same with other values for constants of one line, `const NAME: type = value;`; names that the
+    /// text does not define are left out.
+    pub fn with_constants(&self, constants: &[(&str, Value)]) -> Self {
+        let mut text = String::with_capacity(self.text.len());
+        for line in self.text.lines() {
+            let value = line.strip_prefix("const ").and_then(|rest| {
+                let (name, _) = rest.split_once(':')?;
+                let (_, value) = constants.iter().find(|(given, _)| *given == name)?;
+                let (before, _) = line.split_once('=')?;
+                Some((before, value))
+            });
+            match value {
+                Some((before, value)) => text.push_str(&format!("{before}= {value};")),
+                None => text.push_str(line),
+            }
+            text.push('\n');
+        }
+        Self {
+            text,
+            ..self.clone()
+        }
+    }
+
     /// Parses and validates with WebGPU's default capabilities, so that a fault is named by our own
     /// file and line and found without an adapter.
     pub fn validate(&self) -> Result<(naga::Module, naga::valid::ModuleInfo), ShaderError> {

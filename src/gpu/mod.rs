@@ -3,6 +3,7 @@
 pub mod device;
 pub mod kernel;
 pub mod link;
+pub mod prune;
 pub mod read;
 pub mod render;
 pub mod shaders;

@@ -1,10 +1,11 @@
 //! What the kernels may take for granted of a scene: the values of `shaders/variant.wgsl`.
 
+use super::link::Value;
 use crate::pack::Packed;
 use crate::shared::{BSDF_UNLIT, MATERIAL_TRANSMISSIVE, Material, NONE, Texture};
 
-/// The overrides' values for a scene, by name. Materials that no triangle has do not count.
-pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
+/// The constants' values for a scene, by name. Materials that no triangle has do not count.
+pub fn constants(packed: &Packed) -> Vec<(&'static str, Value)> {
     let mut used = vec![false; packed.materials.len()];
     for triangle in &packed.triangles {
         used[triangle.material as usize] = true;
@@ -15,7 +16,11 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
         .zip(used)
         .filter_map(|(material, used)| used.then_some(material))
         .collect();
-    let some = |test: fn(&Material) -> bool| flag(materials.iter().any(|material| test(material)));
+    let some =
+        |test: fn(&Material) -> bool| Value::Bool(materials.iter().any(|material| test(material)));
+    let models = materials
+        .iter()
+        .fold(0, |models, material| models | 1 << material.model);
     // An unlit surface ends its path before any reflection model is asked.
     let common = |value: fn(&Material) -> u32| {
         let mut values = materials
@@ -23,17 +28,17 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
             .filter(|material| material.model != BSDF_UNLIT)
             .map(|material| value(material));
         let first = values.next().unwrap_or(NONE);
-        f64::from(if values.all(|value| value == first) {
+        Value::Uint(if values.all(|value| value == first) {
             first
         } else {
             NONE
         })
     };
     vec![
-        ("TEST_ALPHA", flag(packed.frame.has_alpha != 0)),
+        ("TEST_ALPHA", Value::Bool(packed.frame.has_alpha != 0)),
         ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),
         ("DISPERSION", some(|m| m.dispersion > 0.0)),
-        ("THIN_WALLS", flag(packed.frame.has_thin_walls != 0)),
+        ("THIN_WALLS", Value::Bool(packed.frame.has_thin_walls != 0)),
         (
             "BASE_COLOR_TEXTURES",
             some(|m| any(&[&m.base_color_texture])),
@@ -90,6 +95,7 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
         ),
         ("IRIDESCENCE", some(|m| m.iridescence > 0.0)),
         ("ANISOTROPY", some(|m| m.anisotropy > 0.0)),
+        ("MODELS", Value::Uint(models)),
         ("COMMON_MODEL", common(|m| m.model)),
         ("COMMON_FRESNEL", common(|m| m.fresnel)),
         ("COMMON_DISTRIBUTION", common(|m| m.distribution)),
@@ -100,8 +106,4 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, f64)> {
 /// Whether one of the textures is there.
 fn any(textures: &[&Texture]) -> bool {
     textures.iter().any(|texture| texture.texels != NONE)
-}
-
-fn flag(value: bool) -> f64 {
-    f64::from(u8::from(value))
 }

@@ -2,6 +2,7 @@
 
 use super::device::{Fault, Gpu};
 use super::kernel::{Kernel, KernelError};
+use super::link::Value;
 use super::read::read;
 use super::upload::Scene;
 use crate::render::Counts;
@@ -67,7 +68,7 @@ impl Wavefront {
     pub fn new(
         gpu: &Gpu,
         scene: Scene,
-        constants: &[(&str, f64)],
+        constants: &[(&str, Value)],
         capacity: u32,
         tile_pixels: u32,
     ) -> Result<Self, KernelError> {
