@@ -21,7 +21,7 @@ pub struct Preset {
 }
 
 /// All presets, from plain to peculiar.
-pub const PRESETS: [Preset; 14] = [
+pub const PRESETS: [Preset; 19] = [
     Preset {
         name: "lambertian",
         about: "ideally diffuse, reflectance 0.8",
@@ -91,6 +91,31 @@ pub const PRESETS: [Preset; 14] = [
         name: "white-metal",
         about: "glTF, metallic, base colour 1, roughness 0.5",
         json: r#"{"pbrMetallicRoughness":{"baseColorFactor":[1,1,1,1],"metallicFactor":1,"roughnessFactor":0.5}}"#,
+    },
+    Preset {
+        name: "frosted-glass",
+        about: "glTF, transmission into a volume, roughness 0.4",
+        json: r#"{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.4},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_volume":{"thicknessFactor":1}}}"#,
+    },
+    Preset {
+        name: "lacquer",
+        about: "glTF, rough red under a clear coat of roughness 0.1",
+        json: r#"{"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.05,0.05,1],"metallicFactor":0,"roughnessFactor":0.7},"extensions":{"KHR_materials_clearcoat":{"clearcoatFactor":1,"clearcoatRoughnessFactor":0.1}}}"#,
+    },
+    Preset {
+        name: "velvet",
+        about: "glTF, dark, sheen of roughness 0.4",
+        json: r#"{"pbrMetallicRoughness":{"baseColorFactor":[0.05,0.02,0.05,1],"metallicFactor":0,"roughnessFactor":1},"extensions":{"KHR_materials_sheen":{"sheenColorFactor":[0.8,0.6,0.8],"sheenRoughnessFactor":0.4}}}"#,
+    },
+    Preset {
+        name: "oil-film",
+        about: "glTF, black, film of index 1.4 and 500 nm, roughness 0.3",
+        json: r#"{"pbrMetallicRoughness":{"baseColorFactor":[0,0,0,1],"metallicFactor":0,"roughnessFactor":0.3},"extensions":{"KHR_materials_iridescence":{"iridescenceFactor":1,"iridescenceIor":1.4,"iridescenceThicknessMaximum":500}}}"#,
+    },
+    Preset {
+        name: "leaf",
+        about: "glTF, half of the diffuse light goes through",
+        json: r#"{"pbrMetallicRoughness":{"baseColorFactor":[0.2,0.5,0.1,1],"metallicFactor":0,"roughnessFactor":0.5},"extensions":{"KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":0.5,"diffuseTransmissionColorFactor":[0.5,0.7,0.1]}}}"#,
     },
 ];
 

@@ -105,17 +105,17 @@ fn bad_scenes_have_statuses_of_their_own() {
     place.fail("render required.gltf -o a.png", 4, "ACME_teapots");
 
     let mut ignored = scene();
-    ignored["extensionsUsed"] = json!(["KHR_materials_clearcoat"]);
+    ignored["extensionsUsed"] = json!(["KHR_materials_volume_scatter"]);
     ignored["materials"][0]["extensions"] =
-        json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1.0 } });
+        json!({ "KHR_materials_volume_scatter": { "multiscatterColor": [0.5, 0.5, 0.5] } });
     place.write("ignored.gltf", ignored.to_string().as_bytes());
     place.fail(
         "render ignored.gltf -o a.png --strict",
         4,
-        "KHR_materials_clearcoat",
+        "KHR_materials_volume_scatter",
     );
     let output = place.succeed(&format!("render ignored.gltf -o a.png --cpu {SMALL}"));
-    assert!(stderr(&output).contains("note: KHR_materials_clearcoat"));
+    assert!(stderr(&output).contains("note: KHR_materials_volume_scatter"));
 }
 
 #[test]
