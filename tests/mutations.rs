@@ -63,6 +63,10 @@ const WHITE_METAL: &str = r#"{"pbrMetallicRoughness":{"metallicFactor":1,"roughn
 const SHEEN: &str = r#"{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.5},"extensions":{"KHR_materials_sheen":{"sheenColorFactor":[1,1,1],"sheenRoughnessFactor":0.5}}}"#;
 const COATED: &str = r#"{"pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":0.5},"extensions":{"KHR_materials_clearcoat":{"clearcoatFactor":1,"clearcoatRoughnessFactor":0.4}}}"#;
 const ROUGH_GLASS: &str = r#"{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":1},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_volume":{"thicknessFactor":1}}}"#;
+const FILM_ON_GREY: &str = r#"{"pbrMetallicRoughness":{"baseColorFactor":[0.4,0.4,0.4,1],"metallicFactor":1,"roughnessFactor":0.6},"extensions":{"KHR_materials_iridescence":{"iridescenceFactor":0.7,"iridescenceIor":1.6,"iridescenceThicknessMaximum":450}}}"#;
+const TURNED: &str = r#"{"pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":0.5},"extensions":{"KHR_materials_anisotropy":{"anisotropyStrength":0.8,"anisotropyRotation":0.6}}}"#;
+const LEAF: &str = r#"{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.5},"extensions":{"KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":0.3}}}"#;
+const PANE: &str = r#"{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.6},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1}}}"#;
 
 macro_rules! mutations {
     ($($name:ident: $from:literal => $to:literal, $check:expr, $material:expr;)*) => {
@@ -173,6 +177,28 @@ mutations! {
     sides_of_rescattered_light_swapped:
         "energy.missing, view.far.average.missing);" => "energy.missing, view.near.average.missing);",
         Parity(Stage::Eval), ROUGH_GLASS;
+    sheen_fibres_too_upright:
+        "exp_accurate(0.5 * e * ln_sin2)" => "exp_accurate(e * ln_sin2)", Parity(Stage::Eval), SHEEN;
+    sheen_without_shadows:
+        "(1.0 + (Lambda_o + Lambda_i))" => "1.0", Parity(Stage::Eval), SHEEN;
+    coat_not_in_the_pdf:
+        "pdf += view.p_coat * coat.pdf;" => "pdf += coat.pdf;", Statistics(30.0), COATED;
+    film_interferes_half:
+        "sum += 2.0 * power * interference" => "sum += power * interference", Parity(Stage::Eval), FILM_ON_GREY;
+    film_not_mixed:
+        "film_thickness, F_base), bsdf.gltf.iridescence);\n}\n\n// What a facet transmits" => "film_thickness, F_base), 1.0);\n}\n\n// What a facet transmits",
+        Parity(Stage::Eval), FILM_ON_GREY;
+    anisotropy_turned_the_other_way:
+        "return vec3(r.x * w.x + r.y * w.y, r.x * w.y - r.y * w.x, w.z);" => "return vec3(r.x * w.x - r.y * w.y, r.x * w.y + r.y * w.x, w.z);",
+        Parity(Stage::Eval), TURNED;
+    turned_samples_not_turned_back:
+        "drawn = BsdfSample(local_from_anisotropy(bsdf, wi), vec3(0.0)" => "drawn = BsdfSample(wi, vec3(0.0)", Statistics(30.0), TURNED;
+    all_of_the_diffuse_light_transmitted:
+        "* (1.0 - transmission_share(bsdf)) * diffuse_transmission_share(bsdf));" => "* (1.0 - transmission_share(bsdf)));",
+        Parity(Stage::Eval), LEAF;
+    thin_walls_reflect_through_themselves:
+        "return BsdfSample(mirrored(above), vec3(0.0), 1.0, 0u);" => "return BsdfSample(above, vec3(0.0), 1.0, 0u);",
+        Statistics(30.0), PANE;
     light_not_mirrored_with_the_viewer:
         "select(wi, mirrored(wi), below));" => "wi);", Parity(Stage::Eval), GREY;
 }
