@@ -157,7 +157,7 @@ fn defines(text: &str, name: &str) -> bool {
         let after = line[at + name.len()..].chars().next();
         let whole = !after.is_some_and(|c| c.is_alphanumeric() || c == '_');
         whole
-            && ["fn", "struct", "const", "override", "alias", "var", ">"]
+            && ["fn", "struct", "const", "alias", "var", ">"]
                 .iter()
                 .any(|keyword| before.ends_with(keyword))
     })

@@ -338,3 +338,18 @@ fn nothing_of_the_corpus_materials_is_ignored() {
     }
     assert!(count > 15, "{count} uses");
 }
+
+#[test]
+fn emission_under_a_coat_is_remarked_on() {
+    let with = |coat: f32, emission: f32| {
+        Asset::triangle()
+            .with_material(json!({
+                "emissiveFactor": [emission, 0, 0],
+                "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": coat}}}))
+            .load()
+    };
+    let remark = "does not dim what the surface under it emits";
+    assert!(noted(&with(1.0, 0.5), remark));
+    assert!(with(0.0, 0.5).notes.is_empty());
+    assert!(with(1.0, 0.0).notes.is_empty());
+}

@@ -45,7 +45,17 @@ pub struct Materials<'s, 'a> {
 
 impl<'a> Materials<'_, 'a> {
     pub fn material(&mut self, json: &Json<'a>) -> Result<Material, GltfError> {
-        material(json, self)
+        let read = material(json, self)?;
+        if let Model::MetallicRoughness(model) = &read.model
+            && model.extensions.clearcoat.coat.factor > 0.0
+            && read.emissive != Vec3::ZERO
+        {
+            self.notes.add(
+                "a clear coat does not dim what the surface under it emits",
+                &json.at,
+            );
+        }
+        Ok(read)
     }
 }
 
