@@ -386,7 +386,7 @@ fn dressed_scene() -> Scene {
         .collect();
     let mut scene = shapes::scene(meshes, instances);
     scene.materials = vec![full, glossy, lacquer];
-    scene.images = patterns(count);
+    scene.images = patterns(count).into_iter().map(Into::into).collect();
     scene
 }
 
@@ -503,7 +503,9 @@ fn each_texture_reaches_its_own_parameter() {
     for (texture, own) in all.into_iter().zip(own) {
         let image = texture.as_ref().unwrap().image;
         let mut changed = scene.clone();
-        if let Pixels::Rgba8(bytes) = &mut changed.images[image].pixels {
+        if let Pixels::Rgba8(bytes) =
+            &mut std::sync::Arc::make_mut(&mut changed.images[image]).pixels
+        {
             bytes.reverse();
         }
         for (mut model, base) in models(&changed).into_iter().zip(&base) {
@@ -530,12 +532,12 @@ fn flat(
     primitive.texcoords = vec![vec![Vec2::ZERO; count]];
     let mut scene = shapes::scene(vec![mesh], vec![shapes::instance(0, Affine3A::IDENTITY)]);
     scene.materials = vec![material];
-    scene.images = vec![Image {
+    scene.images = vec![std::sync::Arc::new(Image {
         name: String::new(),
         width: 1,
         height: 1,
         pixels: Pixels::Rgba8(texel.into()),
-    }];
+    })];
     let packed = shapes::packed(&scene);
     let side = if front { 1.0 } else { -1.0 };
     let query = towards(Vec3::new(0.2, side, 0.3), Vec3::new(0.1, 0.0, 0.2));

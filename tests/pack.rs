@@ -29,13 +29,13 @@ fn bytes(packed: &Packed) -> Vec<u8> {
     all
 }
 
-fn image(pixels: Pixels, width: u32, height: u32) -> Image {
-    Image {
+fn image(pixels: Pixels, width: u32, height: u32) -> std::sync::Arc<Image> {
+    std::sync::Arc::new(Image {
         name: String::new(),
         width,
         height,
         pixels,
-    }
+    })
 }
 
 fn texture(image: usize, srgb: bool) -> Texture {

@@ -244,7 +244,7 @@ fn gallery() -> Scene {
         .collect();
     let mut scene = shapes::scene(meshes, instances);
     scene.materials = vec![textured, unlit, glass];
-    scene.images = images();
+    scene.images = images().into_iter().map(Into::into).collect();
     scene
 }
 
@@ -497,7 +497,7 @@ fn a_normal_map_tilts_along_tangent_and_bitangent() {
                 material.normal_texture = texture(0, false);
                 material.normal_scale = scale;
             });
-            scene.images = vec![flat_image(texel)];
+            scene.images = vec![flat_image(texel).into()];
             // Mirrored in y: the map's green axis is mirrored with the mesh.
             scene.instances[0].world_from_object =
                 Affine3A::from_scale(Vec3::new(1.0, mirror, 1.0));
@@ -521,7 +521,7 @@ fn a_normal_is_bent_until_what_it_mirrors_is_over_the_surface() {
         material.normal_texture = texture(0, false)
     });
     // Tilted to +x by 67 degrees.
-    scene.images = vec![flat_image([247, 128, 171, 255])];
+    scene.images = vec![flat_image([247, 128, 171, 255]).into()];
     let packed = shapes::packed(&scene);
     // At 60 degrees from -x, where the normal faces away, and from straight above, where it mirrors
     // the inside: the half vector of what is seen and the horizon at +x is left.
@@ -602,7 +602,7 @@ fn masks_cut_at_their_cutoff_and_blending_covers_by_alpha() {
                 m.base_color_texture = texture(0, true);
             }
         });
-        scene.images = vec![flat_image([255, 255, 255, texel])];
+        scene.images = vec![flat_image([255, 255, 255, texel]).into()];
         let packed = shapes::packed(&scene);
         assert_eq!(packed.frame.has_alpha, u32::from(mode != AlphaMode::Opaque));
         [surfaces_gpu(&packed, &rays), surfaces_cpu(&packed, &rays)].map(|answers| {
@@ -652,7 +652,7 @@ fn light_leaves_a_front_and_both_sides_of_what_has_two() {
                 base_color_texture: None,
             };
         });
-        scene.images = vec![flat_image([255, 0, 255, 255])];
+        scene.images = vec![flat_image([255, 0, 255, 255]).into()];
         let packed = shapes::packed(&scene);
         for answers in [surfaces_gpu(&packed, &rays), surfaces_cpu(&packed, &rays)] {
             assert_eq!(answers[0].emitted, [3.0, 0.0, 1.0]);

@@ -120,7 +120,7 @@ fn info(args: &InfoArgs, loaded: Loaded) -> Info {
             .images
             .into_iter()
             .map(|image| ImageInfo {
-                name: image.name,
+                name: image.name.clone(),
                 width: image.width,
                 height: image.height,
                 bits: match image.pixels {

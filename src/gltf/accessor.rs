@@ -43,7 +43,7 @@ impl Component {
 /// Reads accessors out of buffers, within a budget.
 #[derive(Clone, Copy)]
 pub struct Accessors<'b> {
-    pub buffers: &'b Buffers<'b>,
+    pub buffers: &'b Buffers,
     pub budget: &'b Budget,
 }
 

@@ -3,11 +3,10 @@
 use super::error::GltfError;
 use super::json::Json;
 use super::source::Source;
-use std::borrow::Cow;
 
 /// The bytes of every buffer; `None` for one that has neither a URI nor the GLB's binary chunk.
-pub struct Buffers<'a> {
-    bytes: Vec<Option<Cow<'a, [u8]>>>,
+pub struct Buffers {
+    bytes: Vec<Option<Vec<u8>>>,
 }
 
 /// A range of a buffer, and the distance from one element to the next where it is given.
@@ -16,14 +15,19 @@ pub struct View<'b> {
     pub stride: Option<usize>,
 }
 
-impl<'a> Buffers<'a> {
-    pub fn load(root: &Json<'a>, source: &Source) -> Result<Self, GltfError> {
+impl Buffers {
+    /// `bin` is a GLB's binary chunk.
+    pub fn load(
+        root: &Json<'_>,
+        mut bin: Option<Vec<u8>>,
+        source: &Source,
+    ) -> Result<Self, GltfError> {
         let mut bytes = Vec::new();
         for (index, buffer) in root.objects("buffers")?.iter().enumerate() {
             let length = buffer.required("byteLength")?.as_uint()?;
-            let data: Option<Cow<'a, [u8]>> = match buffer.get("uri") {
-                Some(uri) => Some(Cow::Owned(source.resolve(&uri)?)),
-                None if index == 0 => root.bin().map(Cow::Borrowed),
+            let mut data = match buffer.get("uri") {
+                Some(uri) => Some(source.resolve(&uri)?),
+                None if index == 0 => bin.take(),
                 None => None,
             };
             if let Some(data) = &data
@@ -34,7 +38,10 @@ impl<'a> Buffers<'a> {
                     data.len()
                 )));
             }
-            bytes.push(data.map(|data| cut(data, length as usize)));
+            if let Some(data) = &mut data {
+                data.truncate(length as usize);
+            }
+            bytes.push(data);
         }
         Ok(Self { bytes })
     }
@@ -86,15 +93,5 @@ impl<'a> Buffers<'a> {
             bytes: &data[offset as usize..end as usize],
             stride,
         }))
-    }
-}
-
-fn cut(data: Cow<'_, [u8]>, length: usize) -> Cow<'_, [u8]> {
-    match data {
-        Cow::Borrowed(data) => Cow::Borrowed(&data[..length.min(data.len())]),
-        Cow::Owned(mut data) => {
-            data.truncate(length);
-            Cow::Owned(data)
-        }
     }
 }

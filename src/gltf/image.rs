@@ -9,84 +9,119 @@ use super::source::Source;
 use crate::scene::{Image, Pixels};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Cursor;
+use std::sync::Arc;
 
-/// An image that a material uses, not decoded yet.
-struct Encoded<'a> {
-    json: Json<'a>,
-    bytes: Cow<'a, [u8]>,
-    format: ImageFormat,
+/// The images that materials use, in the order of their first use, each read and decoded once.
+#[derive(Default)]
+pub struct Images {
+    images: Vec<Entry>,
+    /// From the glTF's index.
+    found: HashMap<usize, Found>,
 }
 
-/// The images that materials use, in the order of their first use.
-pub struct Images<'a> {
-    buffers: &'a Buffers<'a>,
-    source: &'a Source,
-    encoded: Vec<Encoded<'a>>,
-    /// From the glTF's index; `None` for a format that is not read.
-    found: HashMap<usize, Option<usize>>,
+struct Entry {
+    /// The glTF's index.
+    index: usize,
+    state: State,
 }
 
-impl<'a> Images<'a> {
-    pub fn new(buffers: &'a Buffers<'a>, source: &'a Source) -> Self {
-        Self {
-            buffers,
-            source,
-            encoded: Vec::new(),
-            found: HashMap::new(),
-        }
-    }
+enum State {
+    /// The bytes of one that has a URI; a buffer view's are where they are.
+    Encoded(ImageFormat, Option<Vec<u8>>),
+    Decoded(Arc<Image>),
+}
 
+#[derive(Clone, Copy)]
+enum Found {
+    /// The index in `Scene::images`.
+    Read(usize),
+    /// In a format that is not read: the extension that brings it, and its name.
+    Left(&'static str, &'static str),
+}
+
+impl Images {
     /// The index in `Scene::images` that the image will have.
     pub fn index(
         &mut self,
         index: usize,
-        json: Json<'a>,
+        json: &Json<'_>,
+        (buffers, source): (&Buffers, &Source),
         extensions: &mut Vec<ExtensionUse>,
         notes: &mut Notes,
     ) -> Result<Option<usize>, GltfError> {
-        if let Some(&known) = self.found.get(&index) {
-            return Ok(known);
-        }
-        let bytes: Cow<'a, [u8]> = match self.buffers.view(&json, "bufferView")? {
-            Some(view) => Cow::Borrowed(view.bytes),
-            None => match json.get("uri") {
-                Some(uri) => Cow::Owned(self.source.resolve(&uri)?),
-                None => return Err(json.invalid("it has neither `uri` nor `bufferView`")),
-            },
-        };
-        let place = match Container::of(&bytes) {
-            Some(Container::Read(format)) => {
-                self.encoded.push(Encoded {
-                    json,
-                    bytes,
-                    format,
-                });
-                Some(self.encoded.len() - 1)
+        let found = match self.found.get(&index) {
+            Some(&found) => found,
+            None => {
+                let (bytes, owned) = read(json, buffers, source)?;
+                let found = match Container::of(owned.as_deref().unwrap_or(bytes)) {
+                    Some(Container::Read(format)) => {
+                        let state = State::Encoded(format, owned);
+                        self.images.push(Entry { index, state });
+                        Found::Read(self.images.len() - 1)
+                    }
+                    Some(Container::Extension(name, kind)) => Found::Left(name, kind),
+                    None => return Err(json.invalid("it is neither PNG, JPEG nor WebP")),
+                };
+                self.found.insert(index, found);
+                found
             }
-            Some(Container::Extension(name, kind)) => {
+        };
+        Ok(match found {
+            Found::Read(place) => Some(place),
+            Found::Left(name, kind) => {
                 undeclared(extensions, name, &json.at);
                 notes.add(format!("{kind} images are left out"), &json.at);
                 None
             }
-            None => return Err(json.invalid("it is neither PNG, JPEG nor WebP")),
-        };
-        self.found.insert(index, place);
-        Ok(place)
+        })
     }
 
-    /// Decodes all, in parallel.
-    pub fn decode(self) -> Result<Vec<Image>, GltfError> {
-        let source = self.source;
-        let decoded: Vec<Result<Image, GltfError>> = self
-            .encoded
-            .into_par_iter()
-            .map(|encoded| decode(&encoded, source))
+    /// All of them, decoded in parallel where they are not yet.
+    pub fn decode(
+        &mut self,
+        root: &Json<'_>,
+        buffers: &Buffers,
+        source: &Source,
+    ) -> Result<Vec<Arc<Image>>, GltfError> {
+        let list = root.objects("images")?;
+        let decoded: Vec<Result<Arc<Image>, GltfError>> = self
+            .images
+            .par_iter()
+            .map(|entry| match &entry.state {
+                State::Decoded(image) => Ok(Arc::clone(image)),
+                State::Encoded(format, owned) => {
+                    let json = &list[entry.index];
+                    let bytes = match owned {
+                        Some(bytes) => bytes,
+                        None => read(json, buffers, source)?.0,
+                    };
+                    decode(json, bytes, *format, source).map(Arc::new)
+                }
+            })
             .collect();
         // In order, so that a file with two faults always shows the same one.
-        decoded.into_iter().collect()
+        let decoded = decoded.into_iter().collect::<Result<Vec<_>, _>>()?;
+        for (entry, image) in self.images.iter_mut().zip(&decoded) {
+            entry.state = State::Decoded(Arc::clone(image));
+        }
+        Ok(decoded)
+    }
+}
+
+/// The encoded bytes: those of a buffer view, or else those that a URI led to.
+fn read<'b>(
+    json: &Json<'_>,
+    buffers: &'b Buffers,
+    source: &Source,
+) -> Result<(&'b [u8], Option<Vec<u8>>), GltfError> {
+    match buffers.view(json, "bufferView")? {
+        Some(view) => Ok((view.bytes, None)),
+        None => match json.get("uri") {
+            Some(uri) => Ok((&[], Some(source.resolve(&uri)?))),
+            None => Err(json.invalid("it has neither `uri` nor `bufferView`")),
+        },
     }
 }
 
@@ -141,10 +176,14 @@ impl Container {
     }
 }
 
-fn decode(encoded: &Encoded<'_>, source: &Source) -> Result<Image, GltfError> {
-    let json = &encoded.json;
+fn decode(
+    json: &Json<'_>,
+    bytes: &[u8],
+    format: ImageFormat,
+    source: &Source,
+) -> Result<Image, GltfError> {
     let broken = |error: image::ImageError| json.invalid(format!("the image is damaged: {error}"));
-    let reader = ImageReader::with_format(Cursor::new(&*encoded.bytes), encoded.format);
+    let reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut decoder = reader.into_decoder().map_err(broken)?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {

@@ -9,11 +9,10 @@ use super::error::GltfError;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// A parsed file: its JSON and, for a GLB, its binary chunk.
+/// A parsed file.
 pub struct Document {
     pub path: PathBuf,
     pub root: Value,
-    pub bin: Option<Vec<u8>>,
 }
 
 /// A value in a document and the path that leads to it.
@@ -35,10 +34,6 @@ impl<'a> Json<'a> {
 
     pub fn file(&self) -> &'a Path {
         &self.document.path
-    }
-
-    pub fn bin(&self) -> Option<&'a [u8]> {
-        self.document.bin.as_deref()
     }
 
     pub fn value(&self) -> &'a Value {

@@ -27,6 +27,11 @@ impl Budget {
         self.used.load(Ordering::Relaxed)
     }
 
+    /// Gives back what was taken beyond `used`.
+    pub fn rewind(&self, used: u64) {
+        self.used.fetch_min(used, Ordering::Relaxed);
+    }
+
     pub fn left(&self) -> u64 {
         self.limit.saturating_sub(self.used())
     }
@@ -207,8 +212,9 @@ fn scheme(text: &str) -> Option<&str> {
     valid.then_some(scheme)
 }
 
-/// Reads and parses a scene file: GLB where it begins with GLB's magic, JSON otherwise.
-pub fn open(path: &Path, source: &Source) -> Result<Document, GltfError> {
+/// Reads and parses a scene file: GLB, with its binary chunk, where it begins with GLB's magic, JSON
+/// otherwise.
+pub fn open(path: &Path, source: &Source) -> Result<(Document, Option<Vec<u8>>), GltfError> {
     let bytes = read_file(path, path, "", &source.budget)?;
     let invalid = |what: String| GltfError::Invalid {
         file: path.to_owned(),
@@ -232,11 +238,11 @@ pub fn open(path: &Path, source: &Source) -> Result<Document, GltfError> {
     if !root.is_object() {
         return Err(invalid("the JSON is not an object".to_owned()));
     }
-    Ok(Document {
+    let document = Document {
         path: path.to_owned(),
         root,
-        bin: bin.map(<[u8]>::to_vec),
-    })
+    };
+    Ok((document, bin.map(<[u8]>::to_vec)))
 }
 
 /// glTF 2.0 section 4.4: a header of three words, then chunks of length, type and data.

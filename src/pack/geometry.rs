@@ -55,7 +55,7 @@ pub fn pack_geometry(scene: &Scene) -> Result<Geometry, PackError> {
             continue;
         }
         let bounds = transform_bounds(world_from_object, mesh.bounds);
-        check_extent(bounds, || format!("node \"{}\"", instance.name))?;
+        check_extent(bounds, || format!("the mesh of nodes[{}]", instance.node))?;
         placed.push((instance, world_from_object, object_from_world));
         boxes.push(bounds);
     }

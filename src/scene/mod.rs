@@ -15,14 +15,15 @@ pub use material::{
 };
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
+use std::sync::Arc;
 
 /// A scene that has been checked: indices are in range, numbers are finite, sizes agree.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    pub meshes: Vec<Mesh>,
+    pub meshes: Vec<Arc<Mesh>>,
     pub instances: Vec<Instance>,
     pub materials: Vec<Material>,
-    pub images: Vec<Image>,
+    pub images: Vec<Arc<Image>>,
     pub lights: Vec<PunctualLight>,
     pub cameras: Vec<Camera>,
     pub environment: Option<Environment>,
@@ -55,12 +56,14 @@ pub struct Primitive {
 /// A mesh placed in the world by a node.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    pub name: String,
     /// Index into `Scene::meshes`.
     pub mesh: usize,
-    pub world_from_object: Affine3A,
     /// Running number of the glTF node.
     pub node: usize,
+    /// Where it is when the shutter opens.
+    pub world_from_object: Affine3A,
+    /// Where it is at further times, in equal steps until the shutter closes; none: it stands still.
+    pub motion: Box<[Affine3A]>,
 }
 
 /// Pixels as decoded, row 0 on top, four channels.

@@ -164,9 +164,9 @@ pub fn sphere(n: u32, radius: f32) -> Mesh {
 
 pub fn instance(mesh: usize, world_from_object: Affine3A) -> Instance {
     Instance {
-        name: "node".to_owned(),
         mesh,
         world_from_object,
+        motion: Box::default(),
         node: 0,
     }
 }
@@ -174,7 +174,7 @@ pub fn instance(mesh: usize, world_from_object: Affine3A) -> Instance {
 /// Meshes with one grey material, placed as given.
 pub fn scene(meshes: Vec<Mesh>, instances: Vec<Instance>) -> Scene {
     Scene {
-        meshes,
+        meshes: meshes.into_iter().map(std::sync::Arc::new).collect(),
         instances,
         materials: vec![material()],
         ..Scene::default()

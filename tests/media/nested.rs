@@ -100,7 +100,7 @@ fn a_bubble_of_air_is_seen_in_its_glass() {
     add(&mut stage, GLASS, -1.0, 1.0);
     let index = stage.add(turned(slab(-0.3, 0.2)), stage.scene.materials[1].clone());
     // Of the glass's own material, so that it leaves the glass.
-    stage.scene.meshes[index].primitives[0].material = 1;
+    std::sync::Arc::make_mut(&mut stage.scene.meshes[index]).primitives[0].material = 1;
     let part = |thickness| Layer { thickness, ..GLASS };
     let air = Layer {
         ior: 1.0,
@@ -116,7 +116,7 @@ fn bodies_of_one_material_join() {
     let mut stage = over_panel();
     add(&mut stage, GLASS, -0.4, 0.3);
     let index = stage.add(slab(0.1, 0.6), stage.scene.materials[1].clone());
-    stage.scene.meshes[index].primitives[0].material = 1;
+    std::sync::Arc::make_mut(&mut stage.scene.meshes[index]).primitives[0].material = 1;
     check(&stage, "joined", &[GLASS]);
 }
 

@@ -45,7 +45,7 @@ impl Stage {
             self.scene.meshes.len(),
             Affine3A::IDENTITY,
         ));
-        self.scene.meshes.push(mesh.clone());
+        self.scene.meshes.push(mesh.clone().into());
         self.scene.materials.push(material);
         self.change.push(Box::new(change));
         index

@@ -7,11 +7,13 @@ mod texture;
 
 pub use query::material_of_query;
 
+use super::buffer::Buffers;
 use super::error::GltfError;
 use super::extension::ExtensionUse;
 use super::image::Images;
 use super::json::Json;
 use super::notes::Notes;
+use super::source::Source;
 use crate::scene::bsdf_model::BsdfModel;
 use crate::scene::{
     AlphaMode, Material, MetallicRoughness, Model, SpecularGlossiness, Texture, Textured,
@@ -37,14 +39,16 @@ trait Policy<'a> {
 }
 
 /// Reads the materials of a file; collects the images that they need.
-pub struct Materials<'s, 'a> {
-    pub images: Images<'a>,
+pub struct Materials<'s> {
+    pub images: &'s mut Images,
+    pub buffers: &'s Buffers,
+    pub source: &'s Source,
     pub extensions: &'s mut Vec<ExtensionUse>,
     pub notes: &'s mut Notes,
 }
 
-impl<'a> Materials<'_, 'a> {
-    pub fn material(&mut self, json: &Json<'a>) -> Result<Material, GltfError> {
+impl Materials<'_> {
+    pub fn material(&mut self, json: &Json<'_>) -> Result<Material, GltfError> {
         let read = material(json, self)?;
         if let Model::MetallicRoughness(model) = &read.model
             && model.extensions.clearcoat.coat.factor > 0.0
@@ -60,7 +64,7 @@ impl<'a> Materials<'_, 'a> {
 }
 
 /// A file is drawn all the same, and says so.
-impl<'a> Policy<'a> for Materials<'_, 'a> {
+impl<'a> Policy<'a> for Materials<'_> {
     fn texture(&mut self, info: &Json<'a>, srgb: bool) -> Result<Option<Texture>, GltfError> {
         self.file_texture(info, srgb)
     }

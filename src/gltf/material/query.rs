@@ -34,7 +34,6 @@ pub fn material_of_query(value: &Value) -> Result<Material, GltfError> {
     let document = Document {
         path: PathBuf::new(),
         root: value.clone(),
-        bin: None,
     };
     let json = Json::root(&document);
     if let Some(extensions) = json.object("extensions")? {

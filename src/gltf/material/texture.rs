@@ -8,11 +8,11 @@ use crate::scene::{Filter, Texture, Wrap};
 use glam::Vec3;
 use gltf::json::texture::{CLAMP_TO_EDGE, LINEAR, MIRRORED_REPEAT, NEAREST, REPEAT};
 
-impl<'a> Materials<'_, 'a> {
+impl Materials<'_> {
     /// The texture that a textureInfo names.
     pub fn file_texture(
         &mut self,
-        info: &Json<'a>,
+        info: &Json<'_>,
         srgb: bool,
     ) -> Result<Option<Texture>, GltfError> {
         let (_, texture) = info.required("index")?.follow("textures")?;
@@ -27,9 +27,13 @@ impl<'a> Materials<'_, 'a> {
             return Ok(None);
         };
         let (index, image) = source.follow("images")?;
-        let Some(image) = self
-            .images
-            .index(index, image, self.extensions, self.notes)?
+        let Some(image) = self.images.index(
+            index,
+            &image,
+            (self.buffers, self.source),
+            self.extensions,
+            self.notes,
+        )?
         else {
             return Ok(None);
         };
