@@ -35,7 +35,7 @@ fn hierarchies_place_instances() {
     assert!(instances[1].world_from_object.matrix3.determinant() < 0.0);
     // Without `scene` the first is drawn; without scenes every root.
     asset.json.as_object_mut().unwrap().remove("scene");
-    assert_eq!(asset.load().scene.instances[0].node, 0);
+    assert_eq!(asset.load().scene.instances[0].node, 3);
     asset.json.as_object_mut().unwrap().remove("scenes");
     assert_eq!(asset.load().scene.instances.len(), 3);
     // A scene may be empty.
