@@ -528,7 +528,7 @@ fn coordinates_that_single_precision_cannot_hold_are_refused() {
         (
             near,
             Affine3A::from_scale(Vec3::splat(1e20)),
-            "node \"node\"",
+            "the mesh of nodes[0]",
         ),
     ] {
         let scene = shapes::scene(vec![mesh], vec![shapes::instance(0, transform)]);
