@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::gltf::GltfError;
+use crate::gltf::{ExtensionUse, GltfError};
 use crate::gpu::device::DeviceError;
 use crate::gpu::render::RenderError;
 use crate::gpu::upload::UploadError;
@@ -24,12 +24,12 @@ pub enum Error {
         source: std::io::Error,
     },
     #[error(
-        "'{scene}' uses {extension}, which is ignored ({detail}); leave --strict away to render it all the same"
+        "'{scene}' uses what is ignored: {}; leave --strict away to render it all the same",
+        list(ignored)
     )]
     Strict {
         scene: PathBuf,
-        extension: String,
-        detail: String,
+        ignored: Vec<ExtensionUse>,
     },
     #[error(
         "the picture needs {needed} bytes while it is made and --max-memory allows {allowed}; make it smaller, render it in parts with --crop, or raise --max-memory"
@@ -49,6 +49,19 @@ pub enum Error {
     Render(#[from] RenderError),
     #[error(transparent)]
     Output(#[from] OutputError),
+}
+
+/// Each with what it means and where it is.
+fn list(extensions: &[ExtensionUse]) -> String {
+    const PLACES: usize = 3;
+    let one = |extension: &ExtensionUse| {
+        let place = match extension.uses {
+            0 => "required".to_owned(),
+            _ => extension.places_text(PLACES),
+        };
+        format!("{} ({}; {place})", extension.name, extension.detail)
+    };
+    extensions.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 impl Error {

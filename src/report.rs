@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::film::Film;
-use crate::gltf::Treatment;
+use crate::gltf::ExtensionUse;
 use crate::pack::Packed;
 
 /// Everything that is known after a render.
@@ -60,7 +60,7 @@ pub struct Facts {
     pub error: Option<Achieved>,
     /// Samples that were infinite or not a number, and were left out.
     pub non_finite_samples: u64,
-    pub extensions: Vec<Extension>,
+    pub extensions: Vec<ExtensionUse>,
 }
 
 /// A file that was read.
@@ -168,15 +168,6 @@ impl Achieved {
             confidence_95: error.confidence,
         })
     }
-}
-
-#[derive(Clone, Debug, Serialize)]
-pub struct Extension {
-    pub name: String,
-    pub required: bool,
-    /// `supported`, `approximated` or `ignored`.
-    pub treatment: Treatment,
-    pub detail: String,
 }
 
 /// Stages in their order; those that a renderer does not have are left out.

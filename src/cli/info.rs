@@ -196,6 +196,9 @@ fn text(info: &Info) -> String {
     out
 }
 
+/// So many places of an extension are printed.
+const PLACES: usize = 4;
+
 fn extension_line(out: &mut String, extension: &ExtensionUse) {
     let treatment = match extension.treatment {
         Treatment::Supported => "supported",
@@ -206,11 +209,16 @@ fn extension_line(out: &mut String, extension: &ExtensionUse) {
     if extension.required {
         out.push_str(", required");
     }
+    match (extension.declared, extension.uses) {
+        (true, 0) => out.push_str(", declared and not used"),
+        (false, 1..) => out.push_str(", not declared"),
+        _ => {}
+    }
     if !extension.detail.is_empty() {
         let _ = write!(out, ": {}", extension.detail);
     }
-    if let Some(first) = &extension.first {
-        let _ = write!(out, " ({} uses, first {first})", extension.uses);
+    if extension.uses > 0 {
+        let _ = write!(out, " ({})", extension.places_text(PLACES));
     }
     out.push('\n');
 }

@@ -9,8 +9,8 @@ use super::value::Background;
 use crate::error::Error;
 use crate::progress::human;
 use crate::report::{
-    Achieved, Adapter, Extension, Facts, Input, Memory, Rays, Report, Times, limits_in_use,
-    packed_hash, shader_hash,
+    Achieved, Adapter, Facts, Input, Memory, Rays, Report, Times, limits_in_use, packed_hash,
+    shader_hash,
 };
 
 /// The repeatable part.
@@ -50,17 +50,7 @@ pub fn facts(job: &Job, rendered: &Rendered) -> Result<Facts, Error> {
         }),
         error: Achieved::of(&rendered.film),
         non_finite_samples: rendered.film.non_finite(),
-        extensions: job
-            .loaded
-            .extensions
-            .iter()
-            .map(|e| Extension {
-                name: e.name.clone(),
-                required: e.required,
-                treatment: e.treatment,
-                detail: e.detail.clone(),
-            })
-            .collect(),
+        extensions: job.loaded.extensions.clone(),
     })
 }
 

@@ -89,7 +89,8 @@ pub struct RenderArgs {
     #[arg(long)]
     pub cpu: bool,
 
-    /// Fail where the file uses an extension that would be ignored.
+    /// Fail where the file uses extensions that would be ignored; naming one that nothing carries is no
+    /// use. Approximated ones pass.
     #[arg(long)]
     pub strict: bool,
     /// Write a record of the render; see schema/report.schema.json.
@@ -268,14 +269,12 @@ fn load(args: &RenderArgs) -> Result<Loaded, Error> {
             environment: args.env.clone(),
         },
     )?;
-    let mut extensions = loaded.extensions.iter();
-    if args.strict
-        && let Some(ignored) = extensions.find(|e| e.treatment == Treatment::Ignored)
-    {
+    let extensions = loaded.extensions.iter();
+    let ignored: Vec<_> = extensions.filter(|e| e.is_missed()).cloned().collect();
+    if args.strict && !ignored.is_empty() {
         return Err(Error::Strict {
             scene: args.scene.clone(),
-            extension: ignored.name.clone(),
-            detail: ignored.detail.clone(),
+            ignored,
         });
     }
     if let Some(environment) = &mut loaded.scene.environment {

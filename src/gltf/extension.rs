@@ -15,19 +15,58 @@ pub enum Treatment {
     Ignored,
 }
 
-/// An extension that a file names or uses.
+/// An extension that a file names or uses, and what it gets: the same record in `snell info --json` and
+/// in a render's report.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ExtensionUse {
     pub name: String,
+    /// Listed in `extensionsUsed`, as each that is used should be.
+    pub declared: bool,
     /// Listed in `extensionsRequired`.
     pub required: bool,
     pub treatment: Treatment,
     /// What that means for the picture.
     pub detail: String,
-    /// How many objects carry it.
+    /// How many objects carry it; 0 where it is only named.
     pub uses: usize,
-    /// The first of them.
-    pub first: Option<String>,
+    /// The paths of the first [`PLACES`] of those `extensions` objects, sections in alphabetical order.
+    pub places: Vec<String>,
+}
+
+/// So many places of an extension are kept; every node of a large scene may be one.
+pub const PLACES: usize = 16;
+
+impl ExtensionUse {
+    /// The picture lacks something for it: naming an extension that nothing carries changes nothing.
+    pub fn is_missed(&self) -> bool {
+        self.treatment == Treatment::Ignored && (self.required || self.uses > 0)
+    }
+
+    /// Places and how many more there are: `nodes[0], nodes[1] and 3 more`, `shown` at most.
+    pub fn places_text(&self, shown: usize) -> String {
+        let shown = shown.min(self.places.len());
+        let places = self.places[..shown].join(", ");
+        match self.uses - shown {
+            0 => places,
+            more => format!("{places} and {more} more"),
+        }
+    }
+}
+
+/// The objects that carry an extension.
+#[derive(Default)]
+struct Uses {
+    count: usize,
+    places: Vec<String>,
+}
+
+impl Uses {
+    fn add(&mut self, at: &str) {
+        self.count += 1;
+        if self.places.len() < PLACES {
+            self.places.push(at.to_owned());
+        }
+    }
 }
 
 /// (name, treatment, what it means, whether a file that requires it can be drawn).
@@ -106,7 +145,7 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
 /// Lists the extensions of a file; an error where it requires one that is not supported.
 pub fn inventory(root: &Json<'_>) -> Result<Vec<ExtensionUse>, GltfError> {
     let mut found = BTreeMap::new();
-    visit(root.value(), root.at.clone(), &mut found);
+    visit(root.value(), &root.at, &mut found);
     let mut required = Vec::new();
     for name in root.elements("extensionsRequired")? {
         let text = name.as_string()?;
@@ -118,30 +157,40 @@ pub fn inventory(root: &Json<'_>) -> Result<Vec<ExtensionUse>, GltfError> {
         }
         required.push(text);
     }
+    let mut declared = Vec::new();
     for name in root.elements("extensionsUsed")? {
-        found.entry(name.as_string()?.to_owned()).or_default();
+        declared.push(name.as_string()?);
     }
-    for &name in &required {
+    for &name in declared.iter().chain(&required) {
         found.entry(name.to_owned()).or_default();
     }
     Ok(found
         .into_iter()
-        .map(|(name, (uses, first))| {
-            let required = required.contains(&name.as_str());
-            entry(name, required, uses, first)
+        .map(|(name, uses)| ExtensionUse {
+            declared: declared.contains(&name.as_str()),
+            required: required.contains(&name.as_str()),
+            ..entry(name, uses)
         })
         .collect())
 }
 
-/// One that is met without being declared: an image in a format of an extension, say.
+/// One that is met without standing among an object's `extensions`: an image in its format, say.
 pub fn undeclared(extensions: &mut Vec<ExtensionUse>, name: &str, at: &str) {
-    match extensions.iter_mut().find(|entry| entry.name == name) {
-        Some(entry) => entry.uses += 1,
-        None => extensions.push(entry(name.to_owned(), false, 1, Some(at.to_owned()))),
+    let place = match extensions.iter().position(|entry| entry.name == name) {
+        Some(place) => place,
+        None => {
+            extensions.push(entry(name.to_owned(), Uses::default()));
+            extensions.len() - 1
+        }
+    };
+    let entry = &mut extensions[place];
+    entry.uses += 1;
+    if entry.places.len() < PLACES {
+        entry.places.push(at.to_owned());
     }
 }
 
-fn entry(name: String, required: bool, uses: usize, first: Option<String>) -> ExtensionUse {
+fn entry(name: String, uses: Uses) -> ExtensionUse {
     let known = KNOWN.iter().find(|(known, ..)| *known == name);
     let (treatment, detail) = match known {
         Some(&(_, treatment, detail, _)) => (treatment, detail),
@@ -149,41 +198,39 @@ fn entry(name: String, required: bool, uses: usize, first: Option<String>) -> Ex
     };
     ExtensionUse {
         name,
-        required,
+        declared: false,
+        required: false,
         treatment,
         detail: detail.to_owned(),
-        uses,
-        first,
+        uses: uses.count,
+        places: uses.places,
     }
 }
 
-/// Counts the keys of all `extensions` objects. The parser has bounded the depth; `extras` are the
-/// application's own.
-fn visit(value: &Value, at: String, found: &mut BTreeMap<String, (usize, Option<String>)>) {
+/// Takes down the keys of all `extensions` objects. The parser has bounded the depth; `extras` are
+/// the application's own.
+fn visit(value: &Value, at: &str, found: &mut BTreeMap<String, Uses>) {
     match value {
         Value::Object(object) => {
             for (key, value) in object {
-                let place = if at.is_empty() {
-                    key.clone()
-                } else {
-                    format!("{at}.{key}")
+                let at = match at {
+                    "" => key.clone(),
+                    _ => format!("{at}.{key}"),
                 };
                 if let ("extensions", Value::Object(extensions)) = (key.as_str(), value) {
                     for name in extensions.keys() {
-                        let (uses, first) = found.entry(name.clone()).or_default();
-                        *uses += 1;
-                        first.get_or_insert_with(|| place.clone());
+                        found.entry(name.clone()).or_default().add(&at);
                     }
                 }
                 if key != "extras" && (value.is_object() || value.is_array()) {
-                    visit(value, place, found);
+                    visit(value, &at, found);
                 }
             }
         }
         Value::Array(array) => {
             for (index, value) in array.iter().enumerate() {
                 if value.is_object() || value.is_array() {
-                    visit(value, format!("{at}[{index}]"), found);
+                    visit(value, &format!("{at}[{index}]"), found);
                 }
             }
         }

@@ -4,6 +4,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
+use crate::json_schema::validate;
 use crate::place::{Place, SMALL, channel, stderr};
 
 /// Renders twice and once in part; checks that the bytes are the same and the report is whole. All
@@ -49,7 +50,7 @@ fn check_report(bytes: &[u8], kind: &str) {
     let schema = fs::read("schema/report.schema.json").unwrap();
     let schema: Value = serde_json::from_slice(&schema).unwrap();
     let report: Value = serde_json::from_slice(bytes).unwrap();
-    validate(&schema, &schema, &report, "report");
+    validate(&schema, &schema, &report).unwrap();
     assert_eq!(report["adapter"]["renderer"], kind);
     assert_eq!(report["seed"], 3);
     assert_eq!(report["samples"], json!([0, 4]));
@@ -115,67 +116,6 @@ fn samples_are_clamped_on_request_on_the_cpu() {
 #[test]
 fn samples_are_clamped_on_request_on_lavapipe() {
     clamps("--adapter llvmpipe");
-}
-
-/// The part of JSON Schema (2020-12) that schema/report.schema.json uses.
-fn validate(schema: &Value, root: &Value, value: &Value, at: &str) {
-    if let Some(target) = schema["$ref"].as_str() {
-        let found = root.pointer(target.trim_start_matches('#')).unwrap();
-        return validate(found, root, value, at);
-    }
-    if let Some(choices) = schema["anyOf"].as_array() {
-        let null = choices.iter().any(|c| c["type"] == "null");
-        if null && value.is_null() {
-            return;
-        }
-        return validate(&choices[0], root, value, at);
-    }
-    if let Some(allowed) = schema["enum"].as_array() {
-        assert!(allowed.contains(value), "{at}: {value}");
-        return;
-    }
-    let fits = match schema["type"].as_str().unwrap() {
-        "object" => value.is_object(),
-        "array" => value.is_array(),
-        "string" => value.is_string(),
-        "integer" => value.is_u64() || value.is_i64(),
-        "number" => value.is_number(),
-        "boolean" => value.is_boolean(),
-        other => panic!("{at}: the schema has type {other}"),
-    };
-    assert!(fits, "{at}: {value} is no {}", schema["type"]);
-    if let Some(least) = schema["minimum"].as_f64() {
-        assert!(value.as_f64().unwrap() >= least, "{at}: {value}");
-    }
-    if schema["pattern"] == "^fnv1a64:[0-9a-f]{16}$" {
-        let digits = value.as_str().unwrap().strip_prefix("fnv1a64:").unwrap();
-        assert!(digits.len() == 16 && digits.chars().all(|c| c.is_ascii_hexdigit()));
-    }
-    for key in schema["required"].as_array().into_iter().flatten() {
-        assert!(value.get(key.as_str().unwrap()).is_some(), "{at}: no {key}");
-    }
-    for (key, item) in value.as_object().into_iter().flatten() {
-        let at = format!("{at}.{key}");
-        match (
-            schema["properties"].get(key),
-            &schema["additionalProperties"],
-        ) {
-            (Some(schema), _) => validate(schema, root, item, &at),
-            (None, Value::Bool(false)) => panic!("{at} is not in the schema"),
-            (None, Value::Null) => {}
-            (None, schema) => validate(schema, root, item, &at),
-        }
-    }
-    let items = value.as_array().map_or(&[][..], Vec::as_slice);
-    if let Some(least) = schema["minItems"].as_u64() {
-        assert!(items.len() as u64 >= least, "{at}");
-    }
-    if let Some(most) = schema["maxItems"].as_u64() {
-        assert!(items.len() as u64 <= most, "{at}");
-    }
-    for (i, item) in items.iter().enumerate() {
-        validate(&schema["items"], root, item, &format!("{at}[{i}]"));
-    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::place::{Place, SMALL, assert_status, scene, stderr};
 
@@ -103,19 +103,57 @@ fn bad_scenes_have_statuses_of_their_own() {
     required["extensionsRequired"] = json!(["ACME_teapots"]);
     place.write("required.gltf", required.to_string().as_bytes());
     place.fail("render required.gltf -o a.png", 4, "ACME_teapots");
+}
 
+#[test]
+fn strict_names_all_that_is_ignored_and_where() {
+    let place = Place::new();
     let mut ignored = scene();
-    ignored["extensionsUsed"] = json!(["KHR_materials_volume_scatter"]);
+    ignored["extensionsUsed"] = json!(["KHR_materials_volume_scatter", "ACME_paint"]);
     ignored["materials"][0]["extensions"] =
         json!({ "KHR_materials_volume_scatter": { "multiscatterColor": [0.5, 0.5, 0.5] } });
+    ignored["nodes"][0]["extensions"] = json!({ "ACME_teapot": {} });
+    ignored["extensions"] = json!({ "ACME_teapot": {} });
+    ignored["extras"] = json!({ "extensions": { "ACME_lid": {} } });
     place.write("ignored.gltf", ignored.to_string().as_bytes());
+    let line = "render ignored.gltf -o a.png --report r.json --cpu --strict";
     place.fail(
-        "render ignored.gltf -o a.png --strict",
+        line,
         4,
-        "KHR_materials_volume_scatter",
+        "'ignored.gltf' uses what is ignored: ACME_teapot (it is not known; extensions, \
+         nodes[0].extensions), KHR_materials_volume_scatter (light is absorbed inside, and not \
+         scattered; materials[0].extensions); leave --strict away",
     );
-    let output = place.succeed(&format!("render ignored.gltf -o a.png --cpu {SMALL}"));
+    let said = stderr(&place.run(line));
+    assert!(
+        !said.contains("ACME_paint") && !said.contains("ACME_lid"),
+        "{said}"
+    );
+    let output = place.succeed(&format!(
+        "render ignored.gltf -o a.png --report r.json --cpu {SMALL}"
+    ));
     assert!(stderr(&output).contains("note: KHR_materials_volume_scatter"));
+
+    // The record and the listing say the same of each.
+    let report: Value = serde_json::from_slice(&place.read("r.json")).unwrap();
+    let listing = place.succeed("info ignored.gltf --json").stdout;
+    let listing: Value = serde_json::from_slice(&listing).unwrap();
+    assert_eq!(report["extensions"], listing["extensions"]);
+    assert_eq!(
+        report["extensions"][1],
+        json!({
+            "name": "ACME_teapot", "declared": false, "required": false, "treatment": "ignored",
+            "detail": "it is not known", "uses": 2, "places": ["extensions", "nodes[0].extensions"]
+        })
+    );
+
+    // Named by the file and carried by nothing, the picture lacks nothing for it.
+    let mut named = scene();
+    named["extensionsUsed"] = json!(["ACME_paint"]);
+    place.write("named.gltf", named.to_string().as_bytes());
+    place.succeed(&format!(
+        "render named.gltf -o a.png --cpu --strict {SMALL}"
+    ));
 }
 
 #[test]

@@ -35,6 +35,7 @@ pub fn validate(root: &Value, schema: &Value, value: &Value) -> Result<(), Strin
                 Some("integer") => value.is_u64() || value.is_i64(),
                 Some("string") => value.is_string(),
                 Some("boolean") => value.is_boolean(),
+                Some("null") => value.is_null(),
                 _ => return fault("meets an unknown type"),
             },
             "const" => value == rule,
@@ -56,11 +57,25 @@ pub fn validate(root: &Value, schema: &Value, value: &Value) -> Result<(), Strin
                 true
             }
             "additionalProperties" => {
-                let known = |name: &String| schema["properties"].get(name).is_some();
-                value
-                    .as_object()
-                    .is_none_or(|object| object.keys().all(known))
+                for (name, value) in value.as_object().into_iter().flatten() {
+                    if schema["properties"].get(name).is_none() {
+                        if *rule == Value::Bool(false) {
+                            return fault(&format!("has an unknown {name}"));
+                        }
+                        validate(root, rule, value)?;
+                    }
+                }
+                true
             }
+            "pattern" => match rule.as_str() {
+                Some("^fnv1a64:[0-9a-f]{16}$") => {
+                    let digits = value.as_str().and_then(|v| v.strip_prefix("fnv1a64:"));
+                    digits.is_some_and(|digits| {
+                        digits.len() == 16 && digits.chars().all(|c| c.is_ascii_hexdigit())
+                    })
+                }
+                _ => return fault("meets an unknown pattern"),
+            },
             "items" => {
                 for value in value.as_array().into_iter().flatten() {
                     validate(root, rule, value)?;

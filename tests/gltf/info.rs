@@ -17,6 +17,7 @@ fn text_and_json() {
     let mut asset = Asset::triangle().with_material(json!({
         "name": "paint", "extensions": {"KHR_materials_retroreflection": {}}
     }));
+    asset.json["extensionsUsed"] = json!(["VENDOR_named"]);
     asset.push("animations", json!({"channels": [], "samplers": []}));
     asset.save_glb(&path);
     let output = info(&path, &[]);
@@ -24,7 +25,8 @@ fn text_and_json() {
     assert!(output.status.success() && output.stderr.is_empty());
     for words in [
         "1 triangles in 1 instances",
-        "KHR_materials_retroreflection, ignored: light is not sent back",
+        "KHR_materials_retroreflection, ignored, not declared: light is not sent back to where it came from (materials[0].extensions)",
+        "VENDOR_named, ignored, declared and not used: it is not known\n",
         "not played",
     ] {
         assert!(text.contains(words), "{text}");

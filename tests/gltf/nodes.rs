@@ -124,25 +124,47 @@ fn extensions_are_listed() {
     asset.json["extensionsUsed"] = json!(["KHR_materials_clearcoat", "VENDOR_thing"]);
     asset.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     asset.json["nodes"][0]["extensions"] = json!({"VENDOR_other": {}});
+    asset.json["meshes"][0]["extensions"] =
+        json!({"VENDOR_other": {"extensions": {"VENDOR_in": {}}}});
+    for _ in 0..20 {
+        asset.push("samplers", json!({"extensions": {"VENDOR_thing": {}}}));
+    }
     let loaded = asset.load();
     let entries: Vec<_> = loaded
         .extensions
         .iter()
-        .map(|e| (e.name.as_str(), e.required, e.treatment, e.uses))
+        .map(|e| (e.name.as_str(), e.declared, e.required, e.treatment, e.uses))
         .collect();
+    let (supported, ignored) = (Treatment::Supported, Treatment::Ignored);
     assert_eq!(
         entries,
         [
-            ("KHR_materials_clearcoat", false, Treatment::Supported, 0),
-            ("KHR_mesh_quantization", true, Treatment::Supported, 0),
-            ("VENDOR_other", false, Treatment::Ignored, 1),
-            ("VENDOR_thing", false, Treatment::Ignored, 0),
+            ("KHR_materials_clearcoat", true, false, supported, 0),
+            ("KHR_mesh_quantization", false, true, supported, 0),
+            ("VENDOR_in", false, false, ignored, 1),
+            ("VENDOR_other", false, false, ignored, 2),
+            ("VENDOR_thing", true, false, ignored, 20),
         ]
     );
+    let other = &loaded.extensions[3];
     assert_eq!(
-        loaded.extensions[2].first.as_deref(),
-        Some("nodes[0].extensions")
+        other.places,
+        ["meshes[0].extensions", "nodes[0].extensions"]
     );
+    assert_eq!(
+        loaded.extensions[2].places,
+        ["meshes[0].extensions.VENDOR_other.extensions"]
+    );
+    let thing = &loaded.extensions[4];
+    assert_eq!(thing.places.len(), 16);
+    assert_eq!(thing.places[15], "samplers[15].extensions");
+    let text = thing.places_text(2);
+    assert_eq!(
+        text,
+        "samplers[0].extensions, samplers[1].extensions and 18 more"
+    );
+    let missed: Vec<bool> = loaded.extensions.iter().map(|e| e.is_missed()).collect();
+    assert_eq!(missed, [false, false, true, true, true]);
 }
 
 #[test]
