@@ -6,7 +6,7 @@ mod common;
 use common::shapes::{self, Random};
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec3A, Vec4};
 use snell::bvh::{self, Bounds, MAX_DEPTH, STACK_SIZE};
-use snell::pack::{Background, PackError, Packed, pack};
+use snell::pack::{Background, PackError, Packed, Packer, pack};
 use snell::scene::bsdf_model::{BsdfModel, OrenNayarForm};
 use snell::scene::{
     AlphaMode, Camera, Environment, Filter, Image, Material, Model, Pixels, Projection,
@@ -536,5 +536,50 @@ fn coordinates_that_single_precision_cannot_hold_are_refused() {
             Err(error @ PackError::TooFar { .. }) => assert!(error.to_string().contains(what)),
             other => panic!("{:?}", other.err()),
         }
+    }
+}
+
+#[test]
+fn a_packer_packs_what_changed_and_gives_the_same_bytes() {
+    let triangle = |z: f32| shapes::flat(&[[Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, z)]]);
+    let place =
+        |mesh: usize, x: f32| shapes::instance(mesh, Affine3A::from_translation(Vec3::X * x));
+    let mut scene = shapes::scene(
+        vec![triangle(0.0), triangle(1.0)],
+        vec![place(0, 0.0), place(1, 1.0)],
+    );
+    for mesh in &mut scene.meshes {
+        for primitive in &mut std::sync::Arc::get_mut(mesh).unwrap().primitives {
+            primitive.texcoords = vec![vec![Vec2::X; primitive.positions.len()]];
+        }
+    }
+    let mut packer = Packer::default();
+    let mut next = |scene: &Scene, new: [usize; 2], what: &str| {
+        let packed = packer.pack(scene, &shapes::view()).unwrap();
+        assert_eq!(packer.new_parts(), new, "{what}");
+        let fresh = pack(scene, &shapes::view()).unwrap();
+        assert!(bytes(&packed) == bytes(&fresh), "{what}");
+    };
+    next(&scene, [2, 0], "the first picture");
+    next(&scene, [0, 0], "the same again");
+    scene.instances[1] = place(1, 3.0);
+    scene.instances.push(place(0, -2.0));
+    next(&scene, [0, 0], "moved instances");
+    scene.meshes[1] = triangle(2.0).into();
+    next(&scene, [1, 0], "another mesh");
+    scene.images = vec![image(Pixels::Rgba8(vec![10, 20, 30, 40]), 1, 1)];
+    metallic_roughness(&mut scene.materials[0]).base_color_texture = Some(texture(0, true));
+    next(
+        &scene,
+        [1, 1],
+        "a texture adds the coordinates that mesh 0 has",
+    );
+    metallic_roughness(&mut scene.materials[0]).roughness = 0.1;
+    next(&scene, [0, 0], "another roughness");
+    // The address of an image that is gone may be given to the next one.
+    for value in 0..8 {
+        scene.images.clear();
+        scene.images = vec![image(Pixels::Rgba8(vec![value; 4]), 1, 1)];
+        next(&scene, [0, 1], "another image");
     }
 }

@@ -80,6 +80,7 @@ fn info(args: &InfoArgs, loaded: Loaded) -> Info {
         notes,
         counts,
         default_light,
+        ..
     } = loaded;
     let bounds = gltf::bounds(&scene);
     Info {

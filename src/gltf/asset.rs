@@ -8,19 +8,12 @@ use super::json::{Document, Json};
 use super::place::{self, KnownMeshes};
 use super::source::{self, Source};
 use super::{
-    Counts, LoadOptions, Loaded, camera, environment, extension, light, material, node, notes,
+    AnimationInfo, Counts, LoadOptions, Loaded, Moment, camera, environment, extension, light,
+    material, node, notes,
 };
 use crate::scene::{Environment, Material, Scene};
 use std::collections::HashSet;
 use std::path::Path;
-
-/// When a scene is looked at.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Moment {
-    /// No animation is played: the pose that the file rests in.
-    #[default]
-    Rest,
-}
 
 /// A file with everything of it that does not change from one moment to the next: buffers, decoded
 /// images, and the meshes of the moment before.
@@ -32,6 +25,8 @@ pub struct Asset {
     meshes: KnownMeshes,
     /// The one that the options name.
     environment: Option<Environment>,
+    /// Of KHR_materials_variants, by its number.
+    variant: Option<usize>,
     /// What of the memory ceiling is taken by all this but the meshes, in bytes.
     taken: u64,
 }
@@ -58,12 +53,27 @@ impl Asset {
             images: Images::default(),
             meshes: KnownMeshes::default(),
             environment,
+            variant: None,
         })
     }
 
+    /// The file's animations, in its order.
+    pub fn animations(&self) -> Vec<AnimationInfo> {
+        Vec::new()
+    }
+
+    /// The names of the file's material variants (KHR_materials_variants), in its order.
+    pub fn variants(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Which of the variants further scenes show; `None` shows the default materials.
+    pub fn choose_variant(&mut self, variant: Option<usize>) {
+        self.variant = variant;
+    }
+
     /// The scene at a moment. What has not changed since the last one is the same `Arc`.
-    pub fn scene(&mut self, moment: &Moment) -> Result<Loaded, GltfError> {
-        let Moment::Rest = moment;
+    pub fn scene(&mut self, _moment: &Moment) -> Result<Loaded, GltfError> {
         self.source.budget.rewind(self.taken);
         let root = Json::root(&self.document);
         let mut notes = notes::Notes::default();
@@ -135,6 +145,7 @@ impl Asset {
             extensions,
             notes: notes.into_lines(),
             counts,
+            metadata: Vec::new(),
             default_light,
         })
     }

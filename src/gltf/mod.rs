@@ -6,6 +6,7 @@
 //! is walked without recursion. Each error names its place in the JSON.
 
 mod accessor;
+mod animation;
 mod asset;
 mod buffer;
 mod camera;
@@ -25,13 +26,16 @@ mod notes;
 mod place;
 mod source;
 mod tangent;
+mod xmp;
 
-pub use asset::{Asset, Moment};
+pub use animation::{AnimationChoice, AnimationInfo, Moment};
+pub use asset::Asset;
 pub use environment::{default_environment, load_environment};
 pub use error::GltfError;
 pub use extension::{ExtensionUse, Treatment};
 pub use framing::{bounds, default_camera};
 pub use material::material_of_query;
+pub use xmp::Metadata;
 
 use crate::scene::Scene;
 use json::Json;
@@ -70,6 +74,8 @@ pub struct Loaded {
     /// What the file holds and the picture does not show, one sentence each.
     pub notes: Vec<String>,
     pub counts: Counts,
+    /// KHR_xmp_json_ld.
+    pub metadata: Vec<Metadata>,
     /// The scene brought no light, so that it is lit by [`default_environment`]. Punctual lights and
     /// emissive surfaces are light, but for emissive textures whose factor and strength are within 1.
     pub default_light: bool,

@@ -3,11 +3,13 @@
 use super::mesh::{self, PackedMesh};
 use super::{PackError, check_depth, check_extent, index};
 use crate::bvh::{self, Bounds};
-use crate::scene::Scene;
+use crate::scene::{Mesh, Scene};
 use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Triangle};
 use glam::{DAffine3, DVec3, Vec3A};
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::{Arc, Weak};
 
 /// What rays meet, as in `Packed`.
 #[derive(Clone, Debug)]
@@ -36,10 +38,24 @@ impl Geometry {
     };
 }
 
+/// A mesh by its address, and the layouts of its primitives' vertices, which follow from materials.
+type MeshKey = (usize, Vec<u32>);
+
+/// Meshes that were packed before. An address is not given to another mesh while a `Weak` is left.
+#[derive(Default)]
+pub struct KnownMeshes {
+    packed: HashMap<MeshKey, (Weak<Mesh>, Option<Arc<PackedMesh>>)>,
+    /// How many of them the last scene brought.
+    pub new: usize,
+}
+
 /// Packs the meshes in parallel, then puts them one after the other behind the top-level hierarchy
-/// over their instances.
-pub fn pack_geometry(scene: &Scene) -> Result<Geometry, PackError> {
-    let mut meshes = pack_meshes(scene)?;
+/// over their instances. What is `known` is not packed again, and becomes what this scene needs.
+pub fn pack_geometry(
+    scene: &Scene,
+    known: Option<&mut KnownMeshes>,
+) -> Result<Geometry, PackError> {
+    let mut meshes = pack_meshes(scene, known)?;
     let mut placed = Vec::new();
     let mut boxes = Vec::new();
     for instance in &scene.instances {
@@ -72,7 +88,7 @@ pub fn pack_geometry(scene: &Scene) -> Result<Geometry, PackError> {
     let starts = meshes
         .iter_mut()
         .map(|mesh| match mesh.take() {
-            Some(mesh) => geometry.append(mesh).map(Some),
+            Some(mesh) => geometry.append(&mesh).map(Some),
             None => Ok(None),
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -96,8 +112,8 @@ pub fn pack_geometry(scene: &Scene) -> Result<Geometry, PackError> {
 }
 
 impl Geometry {
-    /// Moves a mesh to the end of the arrays; gives its root and its triangles.
-    fn append(&mut self, mut mesh: PackedMesh) -> Result<(u32, Range<u32>), PackError> {
+    /// Copies a mesh to the end of the arrays; gives its root and its triangles.
+    fn append(&mut self, mesh: &PackedMesh) -> Result<(u32, Range<u32>), PackError> {
         let root = index("nodes", self.nodes.len() + mesh.hierarchy.nodes.len())?;
         let root = (root - mesh.hierarchy.nodes.len() as u32) / bvh::NODE_WORDS as u32;
         let first_word = index("vertex attributes", self.vertices.len())?;
@@ -107,37 +123,63 @@ impl Geometry {
         )?;
         let end = index("triangles", self.triangles.len() + mesh.triangles.len())?;
         let range = end - mesh.triangles.len() as u32..end;
-        bvh::rebase(&mut mesh.hierarchy.nodes, root);
-        for triangle in &mut mesh.triangles {
-            triangle.vertex0 += first_word;
-            triangle.vertex1 += first_word;
-            triangle.vertex2 += first_word;
-        }
-        self.nodes.append(&mut mesh.hierarchy.nodes);
-        self.triangles.append(&mut mesh.triangles);
-        self.vertices.append(&mut mesh.vertices);
+        let first_node = self.nodes.len();
+        self.nodes.extend(&mesh.hierarchy.nodes);
+        bvh::rebase(&mut self.nodes[first_node..], root);
+        let triangles = mesh.triangles.iter().map(|triangle| Triangle {
+            vertex0: triangle.vertex0 + first_word,
+            vertex1: triangle.vertex1 + first_word,
+            vertex2: triangle.vertex2 + first_word,
+            ..*triangle
+        });
+        self.triangles.extend(triangles);
+        self.vertices.extend(&mesh.vertices);
         Ok((root, range))
     }
 }
 
 /// Packs the meshes that some instance places, by the scene's numbers; others stay `None`.
-fn pack_meshes(scene: &Scene) -> Result<Vec<Option<PackedMesh>>, PackError> {
+fn pack_meshes(
+    scene: &Scene,
+    known: Option<&mut KnownMeshes>,
+) -> Result<Vec<Option<Arc<PackedMesh>>>, PackError> {
     let mut used = vec![false; scene.meshes.len()];
     for instance in &scene.instances {
         used[instance.mesh] = true;
     }
-    scene
+    let key = |mesh: &Arc<Mesh>| (Arc::as_ptr(mesh).addr(), Vec::new());
+    let nothing = HashMap::new();
+    let before = known.as_ref().map_or(&nothing, |known| &known.packed);
+    let found: Vec<Option<&Option<Arc<PackedMesh>>>> = scene
+        .meshes
+        .iter()
+        .map(|mesh| before.get(&key(mesh)).map(|(_, packed)| packed))
+        .collect();
+    let new = found
+        .iter()
+        .zip(&used)
+        .filter(|(found, used)| **used && found.is_none())
+        .count();
+    let meshes = scene
         .meshes
         .par_iter()
-        .zip(used)
-        .map(|(mesh, used)| {
-            if used {
-                mesh::pack_mesh(mesh, &scene.materials)
-            } else {
-                Ok(None)
-            }
+        .zip(&used)
+        .zip(found)
+        .map(|((mesh, used), found)| match (used, found) {
+            (false, _) => Ok(None),
+            (true, Some(packed)) => Ok(packed.clone()),
+            (true, None) => Ok(mesh::pack_mesh(mesh, &scene.materials)?.map(Arc::new)),
         })
-        .collect()
+        .collect::<Result<Vec<_>, _>>()?;
+    if let Some(known) = known {
+        known.new = new;
+        let rows = scene.meshes.iter().zip(&meshes).zip(used);
+        known.packed = rows
+            .filter(|(_, used)| *used)
+            .map(|((mesh, packed), _)| (key(mesh), (Arc::downgrade(mesh), packed.clone())))
+            .collect();
+    }
+    Ok(meshes)
 }
 
 fn rows(transform: DAffine3) -> [[f32; 4]; 3] {

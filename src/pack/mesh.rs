@@ -65,6 +65,14 @@ pub fn pack_mesh(
     }))
 }
 
+/// What a packed mesh takes from its materials, for each of its primitives.
+pub fn layouts(mesh: &Mesh, materials: &[scene::Material]) -> Vec<u32> {
+    let primitives = mesh.primitives.iter();
+    primitives
+        .map(|primitive| Layout::of(primitive, &materials[primitive.material]).flags())
+        .collect()
+}
+
 /// Which attributes the vertices of a primitive carry: those that are there and that its material
 /// reads.
 struct Layout {

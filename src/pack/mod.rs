@@ -107,19 +107,46 @@ pub enum PackError {
     },
 }
 
+/// Packs one picture after the other and keeps of each what the next may need again: meshes and
+/// images are told by their `Arc`. What it gives is what [`pack`] gives.
+#[derive(Default)]
+pub struct Packer {
+    meshes: geometry::KnownMeshes,
+    images: texture::KnownImages,
+}
+
+impl Packer {
+    pub fn pack(&mut self, scene: &Scene, view: &View) -> Result<Packed, PackError> {
+        pack_with(scene, view, Some(self))
+    }
+
+    /// How many meshes and images the last picture brought.
+    pub fn new_parts(&self) -> [usize; 2] {
+        [self.meshes.new, self.images.new]
+    }
+}
+
 /// Packs a scene for one picture. The same scene and view give the same bytes, whatever the number
 /// of threads.
 ///
 /// An instance whose transform has no inverse (a scale of zero) has no surface to hit and is left
 /// out, as is one whose mesh has no triangles.
 pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
-    let textures = texture::Textures::gather(scene)?;
+    pack_with(scene, view, None)
+}
+
+fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<Packed, PackError> {
+    let (meshes, images) = match packer {
+        Some(packer) => (Some(&mut packer.meshes), Some(&mut packer.images)),
+        None => (None, None),
+    };
+    let textures = texture::Textures::gather(scene, images)?;
     let materials = scene
         .materials
         .iter()
         .map(|material| material::pack_material(material, &textures))
         .collect::<Result<Vec<_>, _>>()?;
-    let geometry = geometry::pack_geometry(scene)?;
+    let geometry = geometry::pack_geometry(scene, meshes)?;
     let environment = scene
         .environment
         .as_ref()

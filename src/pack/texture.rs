@@ -8,7 +8,8 @@ use crate::shared::{
 };
 use glam::DVec4;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Weak};
 
 /// The texels of every image that some material uses, each once for each way of decoding it.
 #[derive(Clone, Debug, Default)]
@@ -26,8 +27,22 @@ struct PlacedImage {
     mean: DVec4,
 }
 
+/// An image by its address, and whether its colours are sRGB.
+type ImageKey = (usize, bool);
+
+/// Images that were encoded before. An address is not given to another image while a `Weak` is left.
+#[derive(Default)]
+pub struct KnownImages {
+    encoded: HashMap<ImageKey, (Weak<Image>, Encoded)>,
+    /// How many of them the last scene brought.
+    pub new: usize,
+}
+
+type Encoded = Arc<(Vec<u32>, PlacedImage)>;
+
 impl Textures {
-    pub fn gather(scene: &Scene) -> Result<Self, PackError> {
+    /// What is `known` is not encoded again, and becomes what this scene needs.
+    pub fn gather(scene: &Scene, known: Option<&mut KnownImages>) -> Result<Self, PackError> {
         let mut images: Vec<(usize, bool)> = scene
             .materials
             .iter()
@@ -36,14 +51,40 @@ impl Textures {
             .collect();
         images.sort_unstable();
         images.dedup();
-        let encoded: Vec<_> = images
-            .par_iter()
-            .map(|&(image, srgb)| encode(&scene.images[image], srgb))
+        let key = |image: usize, srgb| (Arc::as_ptr(&scene.images[image]).addr(), srgb);
+        let nothing = HashMap::new();
+        let before = known.as_ref().map_or(&nothing, |known| &known.encoded);
+        let found: Vec<Option<Encoded>> = images
+            .iter()
+            .map(|&(image, srgb)| Some(Arc::clone(&before.get(&key(image, srgb))?.1)))
             .collect();
+        let new = found.iter().filter(|found| found.is_none()).count();
+        let encoded: Vec<Encoded> = images
+            .par_iter()
+            .zip(found)
+            .map(|(&(image, srgb), found)| {
+                found.unwrap_or_else(|| Arc::new(encode(&scene.images[image], srgb)))
+            })
+            .collect();
+        if let Some(known) = known {
+            known.new = new;
+            let rows = images.iter().zip(&encoded);
+            known.encoded = rows
+                .map(|(&(image, srgb), encoded)| {
+                    let identity = Arc::downgrade(&scene.images[image]);
+                    (key(image, srgb), (identity, Arc::clone(encoded)))
+                })
+                .collect();
+        }
         let mut textures = Self::default();
-        for (key, (words, mut placed)) in images.into_iter().zip(encoded) {
-            placed.first_word = super::index("texels", textures.texels.len())?;
+        for (key, encoded) in images.into_iter().zip(encoded) {
+            let (words, image) = &*encoded;
+            let first_word = super::index("texels", textures.texels.len())?;
             textures.texels.extend(words);
+            let placed = PlacedImage {
+                first_word,
+                ..image.clone()
+            };
             textures.images.insert(key, placed);
         }
         super::index("texels", textures.texels.len())?;
