@@ -147,7 +147,12 @@ fn pack_meshes(
     for instance in &scene.instances {
         used[instance.mesh] = true;
     }
-    let key = |mesh: &Arc<Mesh>| (Arc::as_ptr(mesh).addr(), Vec::new());
+    let key = |mesh: &Arc<Mesh>| {
+        (
+            Arc::as_ptr(mesh).addr(),
+            mesh::layouts(mesh, &scene.materials),
+        )
+    };
     let nothing = HashMap::new();
     let before = known.as_ref().map_or(&nothing, |known| &known.packed);
     let found: Vec<Option<&Option<Arc<PackedMesh>>>> = scene
