@@ -30,7 +30,8 @@ pub struct Facts {
     /// Snell's version.
     pub snell: &'static str,
     pub scene: Input,
-    pub environment: Option<Input>,
+    /// `--env`.
+    pub environment: Option<LitBy>,
     /// Of the arrays that the renderer read, so of everything that a picture depends on but the code.
     pub packed_hash: String,
     /// Of all shaders in the binary.
@@ -61,6 +62,15 @@ pub struct Facts {
     /// Samples that were infinite or not a number, and were left out.
     pub non_finite_samples: u64,
     pub extensions: Vec<ExtensionUse>,
+}
+
+/// Light from all around.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum LitBy {
+    File(Input),
+    /// As it is written on the command line.
+    Computed(String),
 }
 
 /// A file that was read.

@@ -7,10 +7,11 @@ use std::time::Duration;
 use super::render::{Job, Rendered};
 use super::value::Background;
 use crate::error::Error;
+use crate::gltf::EnvironmentSource;
 use crate::progress::human;
 use crate::report::{
-    Achieved, Adapter, Facts, Input, Memory, Rays, Report, Times, limits_in_use, packed_hash,
-    shader_hash,
+    Achieved, Adapter, Facts, Input, LitBy, Memory, Rays, Report, Times, limits_in_use,
+    packed_hash, shader_hash,
 };
 
 /// The repeatable part.
@@ -19,7 +20,7 @@ pub fn facts(job: &Job, rendered: &Rendered) -> Result<Facts, Error> {
     Ok(Facts {
         snell: env!("CARGO_PKG_VERSION"),
         scene: input(&args.scene)?,
-        environment: args.env.as_deref().map(input).transpose()?,
+        environment: args.env.as_ref().map(lit_by).transpose()?,
         packed_hash: packed_hash(&job.packed),
         shader_hash: shader_hash(),
         adapter: adapter(job),
@@ -68,6 +69,22 @@ fn input(path: &Path) -> Result<Input, Error> {
             source,
         }),
     }
+}
+
+/// A computed environment is told by the text that gives the same again, all of its keys included.
+fn lit_by(environment: &EnvironmentSource) -> Result<LitBy, Error> {
+    Ok(match environment {
+        EnvironmentSource::File(path) => LitBy::File(input(path)?),
+        EnvironmentSource::Constant([r, g, b]) => LitBy::Computed(format!("{r},{g},{b}")),
+        EnvironmentSource::Sky(sky) => LitBy::Computed(format!(
+            "sky:elevation={},azimuth={},turbidity={},albedo={},sun={}",
+            sky.elevation,
+            sky.azimuth,
+            sky.turbidity,
+            sky.albedo,
+            u8::from(sky.sun)
+        )),
+    })
 }
 
 /// All of it.

@@ -11,7 +11,7 @@ use super::value::{self, Aov, Background};
 use super::{record, view};
 use crate::error::Error;
 use crate::film::Film;
-use crate::gltf::{self, LoadOptions, Loaded, Treatment};
+use crate::gltf::{self, EnvironmentSource, LoadOptions, Loaded, Treatment};
 use crate::gpu::device::{self, DeviceError, Gpu};
 use crate::output::tonemap::Tonemap;
 use crate::output::{self, Channels, Format, Look, Place, Target, Window};
@@ -59,13 +59,17 @@ pub struct RenderArgs {
     #[arg(long, value_name = "THETA,PHI,RADIUS", value_parser = value::orbit, conflicts_with = "camera", allow_hyphen_values = true)]
     pub orbit: Option<[f64; 3]>,
 
-    /// An environment map: .hdr, .exr, or an ordinary picture.
-    #[arg(long, value_name = "FILE")]
-    pub env: Option<PathBuf>,
-    /// Turn the map by this about +y, counter-clockwise seen from above.
+    /// Light from all around: a map (.hdr, .exr, or an ordinary picture), a colour ('#rrggbb' sRGB,
+    /// 'r,g,b' linear radiance), or 'sky', a computed sun and sky. Its keys: elevation (degrees, 0 to
+    /// 90, default 30), azimuth (degrees about +y from +z, counter-clockwise seen from above, default
+    /// 45), turbidity (haze, 1 to 10, default 3), albedo (of the ground, 0 to 1, default 0.2), sun (0
+    /// leaves the disc away, default 1).
+    #[arg(long, value_name = "FILE|COLOR|sky[:key=value,...]", value_parser = value::environment, allow_hyphen_values = true)]
+    pub env: Option<EnvironmentSource>,
+    /// Turn the map or the sky by this about +y, counter-clockwise seen from above.
     #[arg(long, default_value_t = 0.0, value_name = "DEG", value_parser = value::finite, allow_negative_numbers = true)]
     pub env_rotation: f64,
-    /// Multiply the map's radiance.
+    /// Multiply the radiance of --env.
     #[arg(long, default_value_t = 1.0, value_name = "S", value_parser = value::not_negative, allow_negative_numbers = true)]
     pub env_strength: f64,
     /// What is seen behind the scene: 'env', 'transparent', '#rrggbb' (sRGB) or 'r,g,b' (linear).
@@ -361,7 +365,7 @@ fn warn_of_bad_pictures(film: &Film, loaded: &Loaded) {
         let cause = if loaded.scene.instances.is_empty() {
             "the scene shows no triangles"
         } else if loaded.scene.environment.is_none() {
-            "none of the scene's lights reaches what the camera sees; --env FILE adds light from all around"
+            "none of the scene's lights reaches what the camera sees; --env adds light from all around"
         } else {
             "no light reaches what the camera sees; check --env-strength and the camera's place (--camera auto)"
         };

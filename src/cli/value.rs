@@ -2,6 +2,9 @@
 
 use std::ops::Range;
 
+use crate::gltf::EnvironmentSource;
+use crate::scene::sky::Sky;
+
 /// `WxH` in pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let (width, height) = text
@@ -114,23 +117,82 @@ pub fn background(text: &str) -> Result<Background, String> {
         "transparent" => return Ok(Background::Transparent),
         _ => {}
     }
+    match color(text) {
+        Some(Ok(color)) => Ok(Background::Color(color)),
+        _ => Err(FORM.into()),
+    }
+}
+
+/// `#rrggbb` (sRGB) or `r,g,b` (linear): `None` for a text of neither form, an error for numbers that
+/// are no colour.
+fn color(text: &str) -> Option<Result<[f32; 3], ()>> {
     if let Some(hex) = text.strip_prefix('#') {
-        if hex.len() != 6 || !hex.is_ascii() {
-            return Err(FORM.into());
+        if hex.len() != 6 || !hex.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+            return Some(Err(()));
         }
-        let mut color = [0.0; 3];
-        for (c, channel) in color.iter_mut().enumerate() {
-            let code = u8::from_str_radix(&hex[2 * c..2 * c + 2], 16).map_err(|_| FORM)?;
-            *channel = crate::output::tonemap::srgb_decode(f64::from(code) / 255.0) as f32;
+        let code = u32::from_str_radix(hex, 16).ok()?;
+        let channel = |shift: u32| f64::from(code >> shift & 0xff) / 255.0;
+        let decode = |x: f64| crate::output::tonemap::srgb_decode(x) as f32;
+        return Some(Ok([16, 8, 0].map(channel).map(decode)));
+    }
+    let color = numbers::<f32, 3>(text, "").ok()?;
+    let valid = color.iter().all(|x| x.is_finite() && *x >= 0.0);
+    Some(if valid { Ok(color) } else { Err(()) })
+}
+
+/// A file, a colour as `background` takes it, or `sky` with its keys.
+pub fn environment(text: &str) -> Result<EnvironmentSource, String> {
+    if let Some(rest) = text.strip_prefix("sky") {
+        match rest.strip_prefix(':') {
+            Some(keys) => return sky(keys).map(EnvironmentSource::Sky),
+            None if rest.is_empty() => return Ok(EnvironmentSource::Sky(Sky::default())),
+            None => {}
         }
-        return Ok(Background::Color(color));
     }
-    let color = numbers::<f32, 3>(text, FORM)?;
-    if color.iter().all(|x| x.is_finite() && *x >= 0.0) {
-        Ok(Background::Color(color))
-    } else {
-        Err(FORM.into())
+    match color(text) {
+        Some(Ok(color)) => Ok(EnvironmentSource::Constant(color)),
+        Some(Err(())) => Err(
+            "a colour is '#rrggbb' (sRGB) or 'r,g,b' (linear, finite, from 0); write a file of \
+             such a name as ./NAME"
+                .into(),
+        ),
+        None => Ok(EnvironmentSource::File(text.into())),
     }
+}
+
+/// `key=value,...`; what is not given is `Sky::default`'s.
+fn sky(keys: &str) -> Result<Sky, String> {
+    const FORM: &str = "give the sky as 'sky' or 'sky:key=value,...' with the keys elevation, azimuth, \
+                        turbidity, albedo, sun";
+    let mut sky = Sky::default();
+    let mut given = Vec::new();
+    for pair in keys.split(',') {
+        let (key, value) = pair.split_once('=').ok_or(FORM)?;
+        let key = key.trim();
+        if given.contains(&key) {
+            return Err(format!("'{key}' is given twice"));
+        }
+        given.push(key);
+        let within = |low: f64, high: f64| match value.trim().parse::<f64>() {
+            Ok(x) if (low..=high).contains(&x) => Ok(x),
+            _ => Err(format!("the sky's {key} is a number from {low} to {high}")),
+        };
+        match key {
+            "elevation" => sky.elevation = within(0.0, 90.0)?,
+            "azimuth" => sky.azimuth = within(-360.0, 360.0)?,
+            "turbidity" => sky.turbidity = within(1.0, 10.0)?,
+            "albedo" => sky.albedo = within(0.0, 1.0)?,
+            "sun" => {
+                sky.sun = match value.trim() {
+                    "0" => false,
+                    "1" => true,
+                    _ => return Err("the sky's sun is 0 or 1".into()),
+                }
+            }
+            _ => return Err(FORM.into()),
+        }
+    }
+    Ok(sky)
 }
 
 /// An arbitrary output variable.

@@ -42,7 +42,7 @@ impl Asset {
         extension::inventory(&root)?;
         let buffers = Buffers::load(&root, bin, &source)?;
         let environment = match &options.environment {
-            Some(path) => Some(environment::load_environment_within(path, &source.budget)?),
+            Some(environment) => Some(environment.load(path, &source.budget)?),
             None => None,
         };
         Ok(Self {

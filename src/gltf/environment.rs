@@ -1,15 +1,46 @@
-//! Environment maps: Radiance HDR, OpenEXR and ordinary images, and the one that lights a scene
-//! without any light of its own.
+//! Environment maps: Radiance HDR, OpenEXR and ordinary images, constants, the computed sky, and the
+//! map that lights a scene without any light of its own.
 
 use super::error::GltfError;
 use super::source::Budget;
 use crate::scene::Environment;
+use crate::scene::sky::Sky;
 use exr::prelude::{ReadChannels as _, ReadLayers as _};
 use glam::DVec3;
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use std::f64::consts::{PI, TAU};
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Where light from all around comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EnvironmentSource {
+    File(PathBuf),
+    /// The same linear Rec. 709 radiance from everywhere.
+    Constant([f32; 3]),
+    Sky(Sky),
+}
+
+impl EnvironmentSource {
+    /// `scene`: the file that an error names where the source is none.
+    pub(super) fn load(&self, scene: &Path, budget: &Budget) -> Result<Environment, GltfError> {
+        match self {
+            Self::File(path) => load_environment_within(path, budget),
+            Self::Constant(radiance) => Ok(Environment {
+                width: 1,
+                height: 1,
+                radiance: vec![*radiance],
+                strength: 1.0,
+                rotation: 0.0,
+            }),
+            Self::Sky(sky) => {
+                let (width, height) = Sky::SIZE;
+                budget.take(u64::from(width) * u64::from(height) * TEXEL, scene, "")?;
+                Ok(sky.environment())
+            }
+        }
+    }
+}
 
 /// Reads an equirectangular map. Ordinary images are decoded from sRGB, white becomes radiance 1.
 pub fn load_environment(path: &Path) -> Result<Environment, GltfError> {

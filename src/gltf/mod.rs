@@ -30,7 +30,7 @@ mod xmp;
 
 pub use animation::{AnimationChoice, AnimationInfo, Moment};
 pub use asset::Asset;
-pub use environment::{default_environment, load_environment};
+pub use environment::{EnvironmentSource, default_environment, load_environment};
 pub use error::GltfError;
 pub use extension::{ExtensionUse, Treatment};
 pub use framing::{bounds, default_camera};
@@ -52,8 +52,8 @@ pub struct LoadOptions {
     pub allow_paths: Vec<PathBuf>,
     /// Ceiling in bytes on all that is read and made of it.
     pub max_memory: u64,
-    /// An environment map in place of the default one.
-    pub environment: Option<PathBuf>,
+    /// Light from all around in place of the scene's own or the default one.
+    pub environment: Option<EnvironmentSource>,
 }
 
 impl Default for LoadOptions {

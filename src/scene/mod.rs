@@ -7,6 +7,7 @@ pub mod bsdf_model;
 pub mod extensions;
 pub mod material;
 pub mod metals;
+pub mod sky;
 
 pub use extensions::Extensions;
 pub use material::{

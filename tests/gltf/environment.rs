@@ -4,7 +4,8 @@ use crate::asset::{Asset, pixel_png};
 use glam::Vec3;
 use serde_json::json;
 use snell::gltf::{
-    GltfError, LoadOptions, bounds, default_camera, default_environment, load_environment,
+    EnvironmentSource, GltfError, LoadOptions, bounds, default_camera, default_environment,
+    load_environment,
 };
 use snell::scene::{Environment, Projection, Scene};
 use std::path::Path;
@@ -131,7 +132,7 @@ fn bad_maps_are_refused() {
     assert!(matches!(missing, GltfError::Unreadable { .. }));
     // As an option of a scene it is found missing, too.
     let options = LoadOptions {
-        environment: Some(folder.path().join("missing.hdr")),
+        environment: Some(EnvironmentSource::File(folder.path().join("missing.hdr"))),
         ..LoadOptions::default()
     };
     let error = crate::asset::load_bytes(&Asset::triangle().glb(), &options).unwrap_err();

@@ -1,0 +1,133 @@
+//! Sun and sky, computed: an environment map of a clear to hazy day.
+
+mod sun;
+
+pub use sun::{SUN_RADIUS, sun_radiance, visible_part};
+
+use super::Environment;
+use glam::DVec3;
+use hw_skymodel::rgb::{Channel, SkyParams, SkyState};
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Where the sun stands, and through what air and above what ground it shines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    /// Degrees above the horizon, 0 to 90.
+    pub elevation: f64,
+    /// Degrees about +y from +z, counter-clockwise seen from above, as `--env-rotation` turns.
+    pub azimuth: f64,
+    /// Haze: the extinction of all air over that of its molecules, 1 to 10.
+    pub turbidity: f64,
+    /// Of the ground, 0 to 1.
+    pub albedo: f64,
+    /// Whether the sun's disc is there; without it the sky alone gives light.
+    pub sun: bool,
+}
+
+impl Default for Sky {
+    /// An ordinary clear day, the sun in front and to the right.
+    fn default() -> Self {
+        Self {
+            elevation: 30.0,
+            azimuth: 45.0,
+            turbidity: 3.0,
+            albedo: 0.2,
+            sun: true,
+        }
+    }
+}
+
+/// A texel is 0.18 degrees wide, a third of the sun.
+const WIDTH: usize = 2048;
+const HEIGHT: usize = 1024;
+
+/// Radiance of a map per radiance of the models, W / (m^2 sr) weighted by CIE 1931's observer. A white
+/// diffuse floor under the default sky has a luminance of 1. That is 14.4 kcd/m^2.
+pub const SCALE: f64 = 0.047_3;
+
+/// In the models' units, of one row of texels above the horizon: from the sun's side to the far one.
+fn sky_row(state: &SkyState, elevation: f64, y: usize) -> Vec<DVec3> {
+    let theta = (y as f64 + 0.5) * PI / HEIGHT as f64;
+    let to_sun = direction(elevation, 0.0);
+    (0..WIDTH / 2)
+        .map(|x| {
+            let phi = (x as f64 + 0.5) * TAU / WIDTH as f64;
+            let gamma = direction(FRAC_PI_2 - theta, phi).dot(to_sun);
+            let gamma = gamma.clamp(-1.0, 1.0).acos();
+            let radiance = |channel| {
+                // The fit goes a little below nothing in the darkest places.
+                f64::from(state.radiance(theta as f32, gamma as f32, channel)).max(0.0)
+            };
+            DVec3::new(
+                radiance(Channel::R),
+                radiance(Channel::G),
+                radiance(Channel::B),
+            )
+        })
+        .collect()
+}
+
+/// The unit vector at an elevation, `phi` about +y from +x towards +z, radians.
+fn direction(elevation: f64, phi: f64) -> DVec3 {
+    let (sin, cos) = elevation.sin_cos();
+    DVec3::new(cos * phi.cos(), sin, cos * phi.sin())
+}
+
+impl Sky {
+    /// Width and height of the map.
+    pub const SIZE: (u32, u32) = (WIDTH as u32, HEIGHT as u32);
+
+    /// The map. The sun stands over +x in it, in the middle; the map's rotation
+    /// brings it to its azimuth.
+    pub fn environment(&self) -> Environment {
+        // Hosek and Wilkie 2012, "An Analytic Model for Full Spectral Sky-Dome Radiance", by their data
+        // for linear Rec. 709.
+        let elevation = self.elevation.to_radians();
+        let state = SkyState::new(&SkyParams {
+            elevation: elevation.clamp(0.0, FRAC_PI_2) as f32,
+            turbidity: self.turbidity as f32,
+            albedo: [self.albedo as f32; 3],
+        })
+        .expect("a sky's parameters are checked where they are read");
+        let halves: Vec<Vec<DVec3>> = (0..HEIGHT / 2)
+            .into_par_iter()
+            .map(|y| sky_row(&state, elevation, y))
+            .collect();
+        let mut irradiance = horizontal_irradiance(&halves);
+        let mut rows: Vec<Vec<DVec3>> = halves
+            .into_par_iter()
+            .map(|half| half.iter().rev().chain(&half).copied().collect())
+            .collect();
+        if self.sun {
+            let radiance = sun_radiance(elevation, self.turbidity);
+            irradiance += radiance * sun::irradiance_over_radiance(elevation) * elevation.sin();
+            sun::draw(&mut rows, elevation, radiance);
+        }
+        let ground = irradiance * (self.albedo / PI);
+        let sky = rows.par_iter().flatten_iter().copied();
+        let ground = rayon::iter::repeat_n(ground, WIDTH * HEIGHT / 2);
+        Environment {
+            width: Self::SIZE.0,
+            height: Self::SIZE.1,
+            radiance: sky
+                .chain(ground)
+                .map(|texel| (texel * SCALE).as_vec3().to_array())
+                .collect(),
+            strength: 1.0,
+            rotation: (self.azimuth - 90.0).to_radians() as f32,
+        }
+    }
+}
+
+/// What a sky sends on level ground, from the halves of its rows.
+fn horizontal_irradiance(halves: &[Vec<DVec3>]) -> DVec3 {
+    let step = PI / HEIGHT as f64;
+    let rows = halves.iter().enumerate().map(|(y, half)| {
+        let (top, bottom) = (y as f64 * step, (y + 1) as f64 * step);
+        // Integral of cos(theta) sin(theta) over the row, all around.
+        let weight = PI * (bottom.sin().powi(2) - top.sin().powi(2));
+        half.iter().sum::<DVec3>() / half.len() as f64 * weight
+    });
+    rows.sum()
+}
