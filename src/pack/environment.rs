@@ -1,11 +1,13 @@
 //! The environment map and the table that samples it (see `shaders/light/environment.wgsl`).
 
 use crate::scene::Environment;
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// The most cells of the importance table: finer ones cost memory and win little, since the
-/// density only has to follow the radiance roughly.
-const CELLS_MAX: [u32; 2] = [1024, 512];
+/// The most cells of the importance table, 17 MB: the density only has to follow the radiance roughly,
+/// but the sun of a computed sky is three texels wide, and cells of two texels have three times the
+/// variance.
+const CELLS_MAX: [u32; 2] = [2048, 1024];
 
 /// The fewest: the sine of the polar angle has to be followed, however small the map is.
 const CELLS_MIN: [u32; 2] = [64, 32];
@@ -58,19 +60,22 @@ fn cell_weights(environment: &Environment, [cells_x, cells_y]: [u32; 2]) -> Vec<
         .map(|cell| footprint(cell, cells_x, environment.width))
         .collect();
     // First along the rows of texels ...
-    let mut narrowed = Vec::with_capacity(cells_x as usize * height);
-    for row in environment.radiance.chunks_exact(width) {
+    let mut narrowed = vec![0.0; cells_x as usize * height];
+    let rows = environment.radiance.par_chunks_exact(width);
+    let cells = narrowed.par_chunks_exact_mut(cells_x as usize);
+    cells.zip(rows).for_each(|(cells, row)| {
         let luminances: Vec<f64> = row.iter().map(|&texel| luminance(texel)).collect();
-        narrowed.extend(footprints_x.iter().map(|footprint| {
+        for (cell, footprint) in cells.iter_mut().zip(&footprints_x) {
             let terms = footprint.iter();
-            terms
+            *cell = terms
                 .map(|&(x, share)| share * luminances[x.rem_euclid(width as i64) as usize])
-                .sum::<f64>()
-        }));
-    }
+                .sum::<f64>();
+        }
+    });
     // ... then along the columns.
     let mut weights = vec![0.0; (cells_x * cells_y) as usize];
-    for (cell_y, row) in weights.chunks_exact_mut(cells_x as usize).enumerate() {
+    let rows = weights.par_chunks_exact_mut(cells_x as usize).enumerate();
+    rows.for_each(|(cell_y, row)| {
         let edge = |y: usize| (PI * y as f64 / f64::from(cells_y)).cos();
         let mean_sin = (edge(cell_y) - edge(cell_y + 1)) / PI * f64::from(cells_y);
         for (y, share) in footprint(cell_y as u32, cells_y, environment.height) {
@@ -80,7 +85,7 @@ fn cell_weights(environment: &Environment, [cells_x, cells_y]: [u32; 2]) -> Vec<
                 *weight += mean_sin * share * texel;
             }
         }
-    }
+    });
     weights
 }
 

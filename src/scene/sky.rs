@@ -2,11 +2,11 @@
 
 mod sun;
 
-pub use sun::{SUN_RADIUS, sun_radiance, visible_part};
+pub use sun::{SUN_RADIUS, sun_radiance};
 
 use super::Environment;
 use glam::DVec3;
-use hw_skymodel::rgb::{Channel, SkyParams, SkyState};
+use hw_skymodel::rgb::{SkyParams, SkyState};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -43,27 +43,67 @@ const WIDTH: usize = 2048;
 const HEIGHT: usize = 1024;
 
 /// Radiance of a map per radiance of the models, W / (m^2 sr) weighted by CIE 1931's observer. A white
-/// diffuse floor under the default sky has a luminance of 1. That is 14.4 kcd/m^2.
-pub const SCALE: f64 = 0.047_3;
+/// diffuse floor under the default sky has a luminance of 1. A radiance of 1 is
+/// 15.4 kcd/m^2.
+pub const SCALE: f64 = 0.044_468;
+
+/// Hosek and Wilkie 2012, "An Analytic Model for Full Spectral Sky-Dome Radiance", of one channel.
+struct Channel {
+    /// A to I of their equation 8, I and H swapped as in their data.
+    distribution: [f64; 9],
+    mean: f64,
+}
+
+impl Channel {
+    /// What of equation 8 depends on the polar angle alone: the factor, and the zenith's term.
+    fn row(&self, cos_theta: f64) -> [f64; 2] {
+        let [a, b, .., i, _] = self.distribution;
+        [
+            self.mean * (1.0 + a * (b / (cos_theta + 0.01)).exp()),
+            i * cos_theta.sqrt(),
+        ]
+    }
+
+    /// Radiance at an angle from the sun.
+    fn radiance(&self, [factor, zenith]: [f64; 2], gamma: f64, cos_gamma: f64) -> f64 {
+        let [_, _, c, d, e, f, g, _, h] = self.distribution;
+        let x = 1.0 + h * h - 2.0 * h * cos_gamma;
+        let aureole = (1.0 + cos_gamma * cos_gamma) / (x * x.sqrt());
+        let sum = c + d * (e * gamma).exp() + f * cos_gamma * cos_gamma + g * aureole + zenith;
+        // The fit goes a little below nothing in the darkest places.
+        (factor * sum).max(0.0)
+    }
+}
+
+/// The channels of linear Rec. 709, by the model's own data.
+fn channels(sky: &Sky) -> [Channel; 3] {
+    let state = SkyState::new(&SkyParams {
+        elevation: sky.elevation.to_radians().clamp(0.0, FRAC_PI_2) as f32,
+        turbidity: sky.turbidity as f32,
+        albedo: [sky.albedo as f32; 3],
+    })
+    .expect("a sky's parameters are checked where they are read");
+    let (distributions, means) = state.raw();
+    [0, 1, 2].map(|channel| Channel {
+        distribution: std::array::from_fn(|i| f64::from(distributions[9 * channel + i])),
+        mean: f64::from(means[channel]),
+    })
+}
 
 /// In the models' units, of one row of texels above the horizon: from the sun's side to the far one.
-fn sky_row(state: &SkyState, elevation: f64, y: usize) -> Vec<DVec3> {
+fn sky_row(channels: &[Channel; 3], elevation: f64, y: usize) -> Vec<DVec3> {
     let theta = (y as f64 + 0.5) * PI / HEIGHT as f64;
-    let to_sun = direction(elevation, 0.0);
+    let (sin_theta, cos_theta) = theta.sin_cos();
+    let (sin_elevation, cos_elevation) = elevation.sin_cos();
+    let rows = channels.each_ref().map(|channel| channel.row(cos_theta));
     (0..WIDTH / 2)
         .map(|x| {
             let phi = (x as f64 + 0.5) * TAU / WIDTH as f64;
-            let gamma = direction(FRAC_PI_2 - theta, phi).dot(to_sun);
-            let gamma = gamma.clamp(-1.0, 1.0).acos();
-            let radiance = |channel| {
-                // The fit goes a little below nothing in the darkest places.
-                f64::from(state.radiance(theta as f32, gamma as f32, channel)).max(0.0)
-            };
-            DVec3::new(
-                radiance(Channel::R),
-                radiance(Channel::G),
-                radiance(Channel::B),
-            )
+            let cos_gamma = sin_theta * cos_elevation * phi.cos() + cos_theta * sin_elevation;
+            let cos_gamma = cos_gamma.clamp(-1.0, 1.0);
+            let gamma = cos_gamma.acos();
+            let radiance = |c: usize| channels[c].radiance(rows[c], gamma, cos_gamma);
+            DVec3::new(radiance(0), radiance(1), radiance(2))
         })
         .collect()
 }
@@ -81,18 +121,11 @@ impl Sky {
     /// The map. The sun stands over +x in it, in the middle; the map's rotation
     /// brings it to its azimuth.
     pub fn environment(&self) -> Environment {
-        // Hosek and Wilkie 2012, "An Analytic Model for Full Spectral Sky-Dome Radiance", by their data
-        // for linear Rec. 709.
         let elevation = self.elevation.to_radians();
-        let state = SkyState::new(&SkyParams {
-            elevation: elevation.clamp(0.0, FRAC_PI_2) as f32,
-            turbidity: self.turbidity as f32,
-            albedo: [self.albedo as f32; 3],
-        })
-        .expect("a sky's parameters are checked where they are read");
+        let channels = channels(self);
         let halves: Vec<Vec<DVec3>> = (0..HEIGHT / 2)
             .into_par_iter()
-            .map(|y| sky_row(&state, elevation, y))
+            .map(|y| sky_row(&channels, elevation, y))
             .collect();
         let mut irradiance = horizontal_irradiance(&halves);
         let mut rows: Vec<Vec<DVec3>> = halves

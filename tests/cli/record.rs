@@ -139,3 +139,43 @@ fn exr_holds_the_channels_asked_for_and_the_facts() {
     }
     assert!(!text.contains("times_ms"), "times change from run to run");
 }
+
+/// A computed environment stands in the record as a text that makes the same picture.
+#[test]
+fn computed_environments_are_recorded_by_their_text() {
+    let place = Place::new();
+    for (given, kept) in [
+        ("0.5,1,2", "0.5,1,2"),
+        ("#ffffff", "1,1,1"),
+        (
+            "sky",
+            "sky:elevation=30,azimuth=45,turbidity=3,albedo=0.2,sun=1",
+        ),
+        (
+            "sky:sun=0,elevation=5.5,azimuth=-120",
+            "sky:elevation=5.5,azimuth=-120,turbidity=3,albedo=0.2,sun=0",
+        ),
+    ] {
+        let run = |environment: &str, name: &str| {
+            place.succeed(&format!(
+                "render scene.gltf -o {name}.exr --report {name}.json --cpu --env {environment} {SMALL}"
+            ));
+        };
+        run(given, "one");
+        run(kept, "two");
+        let report: Value = serde_json::from_slice(&place.read("one.json")).unwrap();
+        let schema: Value =
+            serde_json::from_slice(&fs::read("schema/report.schema.json").unwrap()).unwrap();
+        validate(&schema, &schema, &report).unwrap();
+        assert_eq!(report["environment"], kept);
+        assert!(place.read("one.exr") == place.read("two.exr"), "{given}");
+        if given == "0.5,1,2" {
+            let bytes = place.read("one.exr");
+            // The corner shows what is behind the triangle.
+            assert_eq!(
+                ["R", "G", "B"].map(|c| channel(&bytes, c)[0]),
+                [0.5, 1.0, 2.0]
+            );
+        }
+    }
+}

@@ -24,6 +24,23 @@ fn wrong_usage_is_status_2_and_writes_nothing() {
         ("render scene.gltf -o a.png --samples 4..4", "A < B"),
         ("render scene.gltf -o a.png --exposure nan", "finite"),
         ("render scene.gltf -o a.png --env-strength -1", "negative"),
+        ("render scene.gltf -o a.png --env sky:hight=3", "keys"),
+        ("render scene.gltf -o a.png --env sky:", "keys"),
+        (
+            "render scene.gltf -o a.png --env sky:elevation=-1",
+            "0 to 90",
+        ),
+        (
+            "render scene.gltf -o a.png --env sky:turbidity=nan",
+            "1 to 10",
+        ),
+        (
+            "render scene.gltf -o a.png --env sky:albedo=1,albedo=0",
+            "twice",
+        ),
+        ("render scene.gltf -o a.png --env sky:sun=2", "0 or 1"),
+        ("render scene.gltf -o a.png --env 1,-1,0", "from 0"),
+        ("render scene.gltf -o a.png --env #12345", "#rrggbb"),
         ("render scene.gltf -o a.png --clamp 0", "greater than 0"),
         ("render scene.gltf -o a.png --clamp -1", "greater than 0"),
         ("render scene.gltf -o a.png --background #12345", "#rrggbb"),

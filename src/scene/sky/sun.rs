@@ -94,7 +94,7 @@ pub fn sun_radiance(elevation: f64, turbidity: f64) -> DVec3 {
 }
 
 /// How much of the disc stands above the horizon: the segment of a circle.
-pub fn visible_part(elevation: f64) -> f64 {
+fn visible_part(elevation: f64) -> f64 {
     let height = (elevation / SUN_RADIUS).clamp(-1.0, 1.0);
     1.0 - (height.acos() - height * (1.0 - height * height).sqrt()) / PI
 }
