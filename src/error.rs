@@ -31,6 +31,13 @@ pub enum Error {
         scene: PathBuf,
         ignored: Vec<ExtensionUse>,
     },
+    /// Of a sequence, whose frames before this one are there.
+    #[error("frame {number}: {source} ({done} {} before it)", if *done == 1 { "frame was written" } else { "frames were written" })]
+    Frame {
+        number: u32,
+        done: usize,
+        source: Box<Error>,
+    },
     #[error(
         "the picture needs {needed} bytes while it is made and --max-memory allows {allowed}; make it smaller, render it in parts with --crop, or raise --max-memory"
     )]
@@ -74,6 +81,7 @@ impl Error {
             Error::Input { .. } => 3,
             Error::Strict { .. } => 4,
             Error::FilmTooLarge { .. } => 6,
+            Error::Frame { source, .. } => source.exit_status(),
             Error::Gltf(error) => error.exit_status(),
             Error::Pack(error) => match error {
                 PackError::TooMany { .. } => 6,

@@ -12,6 +12,8 @@ const LINES: u64 = 4;
 pub struct Progress {
     started: Instant,
     form: Form,
+    /// Those that are done, and all.
+    pictures: [u64; 2],
 }
 
 enum Form {
@@ -21,38 +23,43 @@ enum Form {
 }
 
 impl Progress {
-    pub fn new(quiet: bool) -> Progress {
+    /// For so many pictures of a like amount of work.
+    pub fn new(quiet: bool, pictures: u64) -> Progress {
         let form = if quiet {
             Form::Quiet
         } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            bar.set_style(
-                ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}")
-                    .expect("invariant: the template is well formed"),
-            );
-            Form::Bar(bar)
+            Form::Bar(bar())
         } else {
             Form::Lines { printed: 0 }
         };
         Progress {
             started: Instant::now(),
             form,
+            pictures: [0, pictures],
         }
     }
 
-    /// `done` of `total` parts of equal work.
+    /// `done` of `total` parts of equal work of a picture.
     pub fn update(&mut self, done: u64, total: u64) {
-        let left = time_left(self.started.elapsed(), done, total);
+        let [before, pictures] = self.pictures;
+        let all = [before * total + done, pictures * total];
+        let left = time_left(self.started.elapsed(), all[0], all[1]);
         match &mut self.form {
             Form::Quiet => {}
             Form::Bar(bar) => {
-                bar.set_length(total);
-                bar.set_message(left.map_or_else(String::new, |t| format!("{} left", human(t))));
-                bar.set_position(done);
+                bar.set_length(all[1]);
+                let frame = match pictures {
+                    1 => String::new(),
+                    _ => format!("frame {} of {pictures}, ", before + 1),
+                };
+                let left = left.map_or_else(String::new, |t| format!("{} left", human(t)));
+                bar.set_message(frame + &left);
+                bar.set_position(all[0]);
             }
+            // Each picture's last line is a summary; a sequence needs no other.
+            Form::Lines { .. } if pictures > 1 => {}
             Form::Lines { printed } => {
                 let part = done * LINES / total.max(1);
-                // The last line is the summary's, which follows.
                 if part > *printed && done < total {
                     *printed = part;
                     let left = left.map_or_else(String::new, |t| format!(", {} left", human(t)));
@@ -67,12 +74,23 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
-    pub fn finish(self) {
-        if let Form::Bar(bar) = self.form {
-            bar.finish_and_clear();
+    /// Goes on to the next picture; takes the bar away, so that lines can be written.
+    pub fn finish_picture(&mut self) {
+        self.pictures[0] += 1;
+        if let Form::Bar(old) = &mut self.form {
+            old.finish_and_clear();
+            *old = bar();
         }
     }
+}
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    bar.set_style(
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}")
+            .expect("invariant: the template is well formed"),
+    );
+    bar
 }
 
 /// If the rest goes on as before; `None` before anything is done.

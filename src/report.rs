@@ -52,6 +52,12 @@ pub struct Facts {
     pub clamp: Option<f64>,
     /// Samples that the limit has darkened; `None` without one.
     pub clamped_samples: Option<u64>,
+    /// What plays; `None`: the pose that the file rests in.
+    pub moment: Option<Moment>,
+    /// The material variant shown; `None`: the default materials.
+    pub variant: Option<String>,
+    /// The number of this picture in its sequence; `None`: it is the only one.
+    pub frame: Option<u32>,
     pub camera: String,
     pub background: String,
     pub exposure_ev: f64,
@@ -92,6 +98,17 @@ impl Input {
             hash: hash(bytes),
         }
     }
+}
+
+/// When a picture is taken.
+#[derive(Clone, Debug, Serialize)]
+pub struct Moment {
+    /// Its name or else its number, or `all`.
+    pub animation: String,
+    /// On the animation's clock, when the shutter opens.
+    pub seconds: f64,
+    /// How long the shutter is open, in seconds.
+    pub shutter: f64,
 }
 
 /// What rendered.

@@ -3,9 +3,13 @@
 pub mod bsdf;
 pub mod doctor;
 pub mod info;
+mod moment;
 pub mod plot;
 mod record;
 pub mod render;
+mod renderer;
+mod sequence;
+mod studio;
 mod value;
 mod view;
 
@@ -20,7 +24,8 @@ use crate::error::Error;
 #[command(name = "snell", version, about, max_term_width = 100)]
 #[command(after_help = "Exit status: 0 done, 2 wrong usage, 3 input invalid, \
     4 input needs an unsupported feature, 5 no adapter, 6 over a limit, 7 GPU failure, \
-    8 output not written, 130 interrupted (nothing is written).")]
+    8 output not written, 130 interrupted (nothing is written but a \
+    sequence's finished frames).")]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,

@@ -4,61 +4,161 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-use super::render::{Job, Rendered};
+use super::render::RenderArgs;
+use super::renderer::Rendered;
+use super::studio::Job;
 use super::value::Background;
 use crate::error::Error;
 use crate::gltf::EnvironmentSource;
+use crate::gpu::device::Gpu;
+use crate::output::Place;
 use crate::progress::human;
+use crate::render::Settings;
 use crate::report::{
-    Achieved, Adapter, Facts, Input, LitBy, Memory, Rays, Report, Times, limits_in_use,
+    Achieved, Adapter, Facts, Input, LitBy, Memory, Moment, Rays, Report, Times, limits_in_use,
     packed_hash, shader_hash,
 };
 
-/// The repeatable part.
-pub fn facts(job: &Job, rendered: &Rendered) -> Result<Facts, Error> {
-    let args = job.args;
-    Ok(Facts {
-        snell: env!("CARGO_PKG_VERSION"),
-        scene: input(&args.scene)?,
-        environment: args.env.as_ref().map(lit_by).transpose()?,
-        packed_hash: packed_hash(&job.packed),
-        shader_hash: shader_hash(),
-        adapter: adapter(job),
-        limits: job
-            .gpu
-            .as_ref()
-            .map_or_else(BTreeMap::new, |gpu| limits_in_use(&gpu.limits)),
-        // None is asked for.
-        features: Vec::new(),
-        size: args.size,
-        crop: job.settings.crop,
-        samples: [job.settings.samples.start, job.settings.samples.end],
-        seed: args.seed,
-        max_depth: args.max_depth,
-        clamp: args.clamp,
-        clamped_samples: args.clamp.map(|_| rendered.counts.clamped_samples),
-        camera: job.camera_name.clone(),
-        background: match args.background {
-            Background::Environment => "env".into(),
-            Background::Transparent => "transparent".into(),
-            Background::Color([r, g, b]) => format!("{r},{g},{b}"),
-        },
-        exposure_ev: args.exposure,
-        tonemap: args.tonemap.name(),
-        rays: Some(Rays {
-            closest: rendered.counts.closest_rays,
-            shadow: rendered.counts.shadow_rays,
-        }),
-        error: Achieved::of(&rendered.film),
-        non_finite_samples: rendered.film.non_finite(),
-        extensions: job.loaded.extensions.clone(),
-    })
+/// The files that a run reads.
+pub struct Inputs {
+    scene: Input,
+    environment: Option<LitBy>,
 }
 
-fn adapter(job: &Job) -> Adapter {
-    job.gpu
-        .as_ref()
-        .map_or_else(Adapter::cpu, |gpu| Adapter::gpu(&gpu.info))
+impl Inputs {
+    pub fn read(args: &RenderArgs) -> Result<Self, Error> {
+        Ok(Self {
+            scene: input(&args.scene)?,
+            environment: args.env.as_ref().map(lit_by).transpose()?,
+        })
+    }
+}
+
+/// A picture that is done.
+pub struct Made<'a> {
+    pub args: &'a RenderArgs,
+    pub settings: &'a Settings,
+    pub moment: Option<Moment>,
+    pub gpu: Option<&'a Gpu>,
+    pub job: &'a Job,
+    pub rendered: &'a Rendered,
+}
+
+impl Made<'_> {
+    /// The repeatable part.
+    pub fn facts(&self, inputs: &Inputs) -> Facts {
+        let Made {
+            args,
+            settings,
+            job,
+            rendered,
+            ..
+        } = self;
+        Facts {
+            snell: env!("CARGO_PKG_VERSION"),
+            scene: inputs.scene.clone(),
+            environment: inputs.environment.clone(),
+            packed_hash: packed_hash(&job.packed),
+            shader_hash: shader_hash(),
+            adapter: self.adapter(),
+            limits: self
+                .gpu
+                .map_or_else(BTreeMap::new, |gpu| limits_in_use(&gpu.limits)),
+            // None is asked for.
+            features: Vec::new(),
+            size: args.size,
+            crop: settings.crop,
+            samples: [settings.samples.start, settings.samples.end],
+            seed: job.shot.seed,
+            max_depth: args.max_depth,
+            clamp: args.clamp,
+            clamped_samples: args.clamp.map(|_| rendered.counts.clamped_samples),
+            moment: self.moment.clone(),
+            variant: args.variant.clone(),
+            frame: job.shot.frame,
+            camera: job.camera_name.clone(),
+            background: match args.background {
+                Background::Environment => "env".into(),
+                Background::Transparent => "transparent".into(),
+                Background::Color([r, g, b]) => format!("{r},{g},{b}"),
+            },
+            exposure_ev: args.exposure,
+            tonemap: args.tonemap.name(),
+            rays: Some(Rays {
+                closest: rendered.counts.closest_rays,
+                shadow: rendered.counts.shadow_rays,
+            }),
+            error: Achieved::of(&rendered.film),
+            non_finite_samples: rendered.film.non_finite(),
+            extensions: job.loaded.extensions.clone(),
+        }
+    }
+
+    fn adapter(&self) -> Adapter {
+        self.gpu
+            .map_or_else(Adapter::cpu, |gpu| Adapter::gpu(&gpu.info))
+    }
+
+    /// All of it.
+    pub fn report(&self, facts: Facts, times_ms: Times) -> Report {
+        let name = |place: &Place| match place {
+            Place::Stdout => "-".to_owned(),
+            Place::File(path) => path.display().to_string(),
+        };
+        let targets = self.job.shot.targets.iter();
+        Report {
+            facts,
+            times_ms,
+            memory: Memory::of(&self.job.packed),
+            outputs: targets.map(|target| name(&target.place)).collect(),
+            notes: self.job.loaded.notes.clone(),
+        }
+    }
+
+    /// What was rendered, where to, on what, in how long, at what error.
+    pub fn summary(&self, elapsed: Duration) -> String {
+        let film = &self.rendered.film;
+        let targets = self.job.shot.targets.iter();
+        let outputs: Vec<String> = targets
+            .map(|target| match &target.place {
+                Place::Stdout => "standard output".into(),
+                Place::File(path) => path.display().to_string(),
+            })
+            .collect();
+        let samples = self.settings.samples.len();
+        let error = film.error().map_or_else(String::new, |error| {
+            format!(", error {}", percent(error.relative))
+        });
+        let dropped = match film.non_finite() {
+            0 => String::new(),
+            bad => format!(", {bad} samples not finite"),
+        };
+        let clamped = self.args.clamp.map_or_else(String::new, |limit| {
+            let samples = self.rendered.counts.clamped_samples;
+            format!(", {samples} samples clamped to {limit}")
+        });
+        format!(
+            "{} -> {}: {}x{}, {samples} {} a pixel, on {}, in {}{error}{dropped}{clamped}",
+            self.args.scene.display(),
+            outputs.join(", "),
+            film.width,
+            film.height,
+            if samples == 1 { "sample" } else { "samples" },
+            self.adapter().name,
+            human(elapsed),
+        )
+    }
+}
+
+/// What a sequence took.
+pub fn sequence_summary(args: &RenderArgs, frames: usize, elapsed: Duration) -> String {
+    format!(
+        "{}: {frames} {} in {}, {} each",
+        args.scene.display(),
+        if frames == 1 { "frame" } else { "frames" },
+        human(elapsed),
+        human(elapsed.div_f64(frames as f64)),
+    )
 }
 
 fn input(path: &Path) -> Result<Input, Error> {
@@ -85,54 +185,6 @@ fn lit_by(environment: &EnvironmentSource) -> Result<LitBy, Error> {
             u8::from(sky.sun)
         )),
     })
-}
-
-/// All of it.
-pub fn report(job: &Job, facts: Facts, times_ms: Times) -> Report {
-    let outputs = job.args.output.iter();
-    Report {
-        facts,
-        times_ms,
-        memory: Memory::of(&job.packed),
-        outputs: outputs.map(|path| path.display().to_string()).collect(),
-        notes: job.loaded.notes.clone(),
-    }
-}
-
-/// What was rendered, where to, on what, in how long, at what error.
-pub fn summary(job: &Job, rendered: &Rendered, elapsed: Duration) -> String {
-    let film = &rendered.film;
-    let outputs: Vec<String> = job
-        .args
-        .output
-        .iter()
-        .map(|path| match path.as_os_str() == "-" {
-            true => "standard output".into(),
-            false => path.display().to_string(),
-        })
-        .collect();
-    let samples = job.settings.samples.len();
-    let error = film.error().map_or_else(String::new, |error| {
-        format!(", error {}", percent(error.relative))
-    });
-    let dropped = match film.non_finite() {
-        0 => String::new(),
-        bad => format!(", {bad} samples not finite"),
-    };
-    let clamped = job.args.clamp.map_or_else(String::new, |limit| {
-        let samples = rendered.counts.clamped_samples;
-        format!(", {samples} samples clamped to {limit}")
-    });
-    format!(
-        "{} -> {}: {}x{}, {samples} {} a pixel, on {}, in {}{error}{dropped}{clamped}",
-        job.args.scene.display(),
-        outputs.join(", "),
-        film.width,
-        film.height,
-        if samples == 1 { "sample" } else { "samples" },
-        adapter(job).name,
-        human(elapsed),
-    )
 }
 
 /// Two digits that count.

@@ -2,24 +2,23 @@
 
 use std::ops::Range;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use clap::Args;
 
+use super::record::{self, Inputs, Made};
+use super::renderer::Renderer;
+use super::sequence::{Frames, Sequence, Shot};
+use super::studio::Studio;
 use super::value::{self, Aov, Background};
-use super::{record, view};
 use crate::error::Error;
 use crate::film::Film;
-use crate::gltf::{self, EnvironmentSource, LoadOptions, Loaded, Treatment};
-use crate::gpu::device::{self, DeviceError, Gpu};
+use crate::gltf::{EnvironmentSource, Loaded};
 use crate::output::tonemap::Tonemap;
-use crate::output::{self, Channels, Format, Look, Place, Target, Window};
-use crate::pack::{self, Packed, View};
+use crate::output::{self, Channels, Format, Look, Place, Window};
 use crate::progress::Progress;
-use crate::render::{Counts, Settings};
+use crate::render::Settings;
 use crate::report::{self, Facts, Times};
-use crate::{cpu, gpu};
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
@@ -52,7 +51,31 @@ pub struct RenderArgs {
     #[arg(long, value_name = "X,Y,W,H", value_parser = value::crop)]
     pub crop: Option<[u32; 4]>,
 
-    /// A camera of the scene by name or number from 0, or 'auto' for one that frames everything.
+    /// Show the scene at this second of its animation; 0 where only --animation or --shutter says that
+    /// it plays. Before its first key and after its last an animation stands.
+    #[arg(long, value_name = "SECONDS", value_parser = value::finite, allow_negative_numbers = true)]
+    pub time: Option<f64>,
+    /// Which animation plays, by name or number from 0, or all of them. The first, unless said.
+    #[arg(long, value_name = "NAME|INDEX|all")]
+    pub animation: Option<String>,
+    /// How long the shutter is open from then on; what moves meanwhile is blurred.
+    #[arg(long, value_name = "SECONDS", value_parser = value::not_negative, allow_negative_numbers = true)]
+    pub shutter: Option<f64>,
+    /// Render a sequence: frame N is the picture at N / FPS seconds, B is not included, FPS may be a
+    /// fraction (30000/1001). Each output's name, and the report's, holds the number as {} or {:04}.
+    /// The noise of each frame is its own, by --seed and its number.
+    #[arg(long, value_name = "A..B@FPS", value_parser = value::frames, conflicts_with = "time")]
+    pub frames: Option<Frames>,
+    /// Turn the camera by so many degrees in all over the sequence, about +y through the scene's
+    /// centre, counter-clockwise seen from above.
+    #[arg(long, value_name = "DEGREES", value_parser = value::finite, allow_negative_numbers = true, requires = "frames")]
+    pub turntable: Option<f64>,
+    /// Show this variant of the materials (KHR_materials_variants); `snell info` lists them.
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
+
+    /// A camera of the scene by name or number from 0, or 'auto' for one that frames everything;
+    /// in a sequence, everything at all times of what plays.
     #[arg(long, value_name = "NAME|INDEX|auto")]
     pub camera: Option<String>,
     /// A camera around the scene's centre: degrees about +y from +z, degrees down from +y, metres.
@@ -111,83 +134,125 @@ pub struct RenderArgs {
     pub quiet: bool,
 }
 
-/// Everything that is settled before the first ray.
-pub struct Job<'a> {
-    pub args: &'a RenderArgs,
-    pub settings: Settings,
-    pub loaded: Loaded,
-    pub camera_name: String,
-    pub packed: Packed,
-    /// `None` is the CPU renderer.
-    pub gpu: Option<Gpu>,
-}
-
-/// A film and how it came to be.
-pub struct Rendered {
-    pub film: Film,
-    pub counts: Counts,
-}
-
 /// Renders and writes; the order is that of the checks: nothing that can be known to fail is started.
 pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let started = Instant::now();
-    let targets = targets(args)?;
-    let report_place = args.report.as_ref().map(|path| Place::of(path));
-    let mut places: Vec<&Place> = targets.iter().map(|t| &t.place).collect();
-    places.extend(&report_place);
-    output::file::check(&places)?;
+    let sequence = Sequence::plan(args)?;
     let crop = crop(args)?;
     check_film_memory(args, crop)?;
-
     let mut times = Times::default();
-    let mut job = prepare(args, crop, &mut times)?;
-    let rendered = render(&mut job, &mut times)?;
-    warn_of_bad_pictures(&rendered.film, &job.loaded);
-
-    let start = Instant::now();
-    let needs_facts = report_place.is_some() || targets.iter().any(|t| t.format == Format::Exr);
-    let facts = needs_facts
-        .then(|| record::facts(&job, &rendered))
-        .transpose()?;
-    let header = facts.as_ref().map_or_else(String::new, Facts::json);
-    let window = Window {
-        full_size: args.size,
-        origin: [crop[0], crop[1]],
+    let mut work = Work {
+        args,
+        settings: Settings {
+            crop,
+            samples: args.samples.clone().unwrap_or(0..args.spp),
+        },
+        studio: Studio::open(args, &mut times)?,
+        renderer: None,
+        inputs: None,
+        progress: Progress::new(args.quiet, sequence.numbers().len() as u64),
     };
-    let mut files = Vec::new();
-    for target in &targets {
-        let bytes = output::encode(
-            &rendered.film,
-            target.format,
-            channels(args),
-            look(args),
-            window,
-            &header,
-        )?;
-        files.push((&target.place, bytes));
+    for (done, number) in sequence.numbers().enumerate() {
+        let made = work.picture(sequence.shot(number)?, std::mem::take(&mut times));
+        match made {
+            Err(source) if !sequence.is_single() => {
+                return Err(Error::Frame {
+                    number,
+                    done,
+                    source: Box::new(source),
+                });
+            }
+            made => made?,
+        }
     }
-    times.encode = report::milliseconds(start.elapsed());
-    if let (Some(place), Some(facts)) = (&report_place, facts) {
-        let report = record::report(&job, facts, times);
-        files.push((place, report.json().into_bytes()));
-    }
-    let files: Vec<(&Place, &[u8])> = files.iter().map(|(p, b)| (*p, b.as_slice())).collect();
-    output::file::write_all(&files)?;
-    if !args.quiet {
-        super::say(&record::summary(&job, &rendered, started.elapsed()));
+    if !sequence.is_single() && !args.quiet {
+        super::say(&record::sequence_summary(
+            args,
+            sequence.numbers().len(),
+            started.elapsed(),
+        ));
     }
     Ok(())
 }
 
-fn targets(args: &RenderArgs) -> Result<Vec<Target>, Error> {
-    let targets: Result<Vec<_>, _> = args.output.iter().map(|path| Target::parse(path)).collect();
-    let targets = targets?;
-    if !args.aov.is_empty() && targets.iter().all(|t| t.format != Format::Exr) {
-        return Err(Error::Usage(
-            "--aov needs an output that ends in .exr; no other format has room for further channels".into(),
-        ));
+/// What the pictures of a run have in common.
+struct Work<'a> {
+    args: &'a RenderArgs,
+    settings: Settings,
+    studio: Studio<'a>,
+    /// Opened when there is something to render.
+    renderer: Option<Renderer>,
+    /// Read again when the first record is made.
+    inputs: Option<Inputs>,
+    progress: Progress,
+}
+
+impl Work<'_> {
+    fn picture(&mut self, shot: Shot, mut times: Times) -> Result<(), Error> {
+        let started = Instant::now();
+        let args = self.args;
+        let job = self.studio.prepare(shot, &mut times)?;
+        let renderer = match &mut self.renderer {
+            Some(renderer) => renderer,
+            closed => {
+                let start = Instant::now();
+                let opened = closed.insert(Renderer::open(args)?);
+                times.open_adapter = report::milliseconds(start.elapsed());
+                opened
+            }
+        };
+        let rendered =
+            renderer.render(&job.packed, &self.settings, &mut self.progress, &mut times)?;
+        self.progress.finish_picture();
+        warn_of_bad_pictures(&rendered.film, &job.loaded);
+
+        let start = Instant::now();
+        let made = Made {
+            args,
+            settings: &self.settings,
+            moment: self.studio.playing.record(job.shot.seconds),
+            gpu: renderer.gpu(),
+            job: &job,
+            rendered: &rendered,
+        };
+        let targets = &job.shot.targets;
+        let needs_facts =
+            job.shot.report.is_some() || targets.iter().any(|t| t.format == Format::Exr);
+        let facts = match (needs_facts, &mut self.inputs) {
+            (false, _) => None,
+            (true, Some(inputs)) => Some(made.facts(inputs)),
+            (true, unread) => Some(made.facts(unread.insert(Inputs::read(args)?))),
+        };
+        let header = facts.as_ref().map_or_else(String::new, Facts::json);
+        let [x, y, ..] = self.settings.crop;
+        let window = Window {
+            full_size: args.size,
+            origin: [x, y],
+        };
+        let mut files = Vec::new();
+        for target in targets {
+            let bytes = output::encode(
+                &rendered.film,
+                target.format,
+                channels(args),
+                look(args),
+                window,
+                &header,
+            )?;
+            files.push((&target.place, bytes));
+        }
+        times.encode = report::milliseconds(start.elapsed());
+        if let (Some(place), Some(facts)) = (&job.shot.report, facts) {
+            let report = made.report(facts, times);
+            files.push((place, report.json().into_bytes()));
+        }
+        let files: Vec<(&Place, &[u8])> = files.iter().map(|(p, b)| (*p, b.as_slice())).collect();
+        output::file::write_all(&files)?;
+        if !args.quiet {
+            super::say(&made.summary(started.elapsed()));
+        }
+        Ok(())
     }
-    Ok(targets)
 }
 
 /// The window to render: all, or what was asked for if it lies inside.
@@ -219,136 +284,6 @@ fn check_film_memory(args: &RenderArgs, crop: [u32; 4]) -> Result<(), Error> {
             allowed: args.max_memory,
         })
     }
-}
-
-/// Loads, packs and opens the adapter.
-fn prepare<'a>(args: &'a RenderArgs, crop: [u32; 4], times: &mut Times) -> Result<Job<'a>, Error> {
-    let start = Instant::now();
-    let loaded = load(args)?;
-    times.load = report::milliseconds(start.elapsed());
-    say_notes(args, &loaded);
-
-    let start = Instant::now();
-    let (camera, camera_name) =
-        view::choose(&loaded.scene, args.camera.as_deref(), args.orbit, args.size)?;
-    let packed = pack::pack(
-        &loaded.scene,
-        &View {
-            camera,
-            film_size: args.size,
-            seed: args.seed,
-            max_depth: args.max_depth,
-            background: match args.background {
-                Background::Environment => pack::Background::Environment,
-                Background::Color(color) => pack::Background::Color(color),
-                Background::Transparent => pack::Background::Transparent,
-            },
-            clamp: args.clamp.map(|limit| limit as f32),
-        },
-    )?;
-    times.pack = report::milliseconds(start.elapsed());
-
-    let start = Instant::now();
-    let gpu = open(args)?;
-    times.open_adapter = report::milliseconds(start.elapsed());
-    Ok(Job {
-        args,
-        settings: Settings {
-            crop,
-            samples: args.samples.clone().unwrap_or(0..args.spp),
-        },
-        loaded,
-        camera_name,
-        packed,
-        gpu,
-    })
-}
-
-fn load(args: &RenderArgs) -> Result<Loaded, Error> {
-    let mut loaded = gltf::load(
-        &args.scene,
-        &LoadOptions {
-            allow_paths: args.allow_path.clone(),
-            max_memory: args.max_memory,
-            environment: args.env.clone(),
-        },
-    )?;
-    let extensions = loaded.extensions.iter();
-    let ignored: Vec<_> = extensions.filter(|e| e.is_missed()).cloned().collect();
-    if args.strict && !ignored.is_empty() {
-        return Err(Error::Strict {
-            scene: args.scene.clone(),
-            ignored,
-        });
-    }
-    if let Some(environment) = &mut loaded.scene.environment {
-        environment.strength *= args.env_strength as f32;
-        environment.rotation += args.env_rotation.to_radians() as f32;
-    }
-    Ok(loaded)
-}
-
-/// What the picture will not show.
-fn say_notes(args: &RenderArgs, loaded: &Loaded) {
-    if args.quiet {
-        return;
-    }
-    for extension in &loaded.extensions {
-        if extension.treatment != Treatment::Supported {
-            super::say(&format!("note: {}: {}", extension.name, extension.detail));
-        }
-    }
-    for note in &loaded.notes {
-        super::say(&format!("note: {note}"));
-    }
-}
-
-/// The adapter, or `None` for the CPU renderer: asked for, or taken where there is no adapter at all.
-fn open(args: &RenderArgs) -> Result<Option<Gpu>, Error> {
-    if args.cpu {
-        return Ok(None);
-    }
-    match device::open(args.adapter.as_deref()) {
-        Ok(gpu) => Ok(Some(gpu)),
-        Err(error @ (DeviceError::NoAdapter | DeviceError::BelowDefaults { .. }))
-            if args.adapter.is_none() =>
-        {
-            super::say(&format!("rendering on the CPU: {error}"));
-            Ok(None)
-        }
-        Err(error) => Err(error.into()),
-    }
-}
-
-fn render(job: &mut Job, times: &mut Times) -> Result<Rendered, Error> {
-    let mut progress = Progress::new(job.args.quiet);
-    let rendered = match &mut job.gpu {
-        Some(gpu) => {
-            let (film, statistics) =
-                gpu::render::render(gpu, &job.packed, &job.settings, &mut |p| {
-                    progress.update(p.done, p.total);
-                })?;
-            times.upload = Some(report::milliseconds(statistics.upload));
-            times.compile = Some(report::milliseconds(statistics.compile));
-            times.render = report::milliseconds(statistics.render);
-            Rendered {
-                film,
-                counts: statistics.counts,
-            }
-        }
-        None => {
-            let start = Instant::now();
-            let shared = Mutex::new(&mut progress);
-            let (film, counts) = cpu::path::render(&job.packed, &job.settings, &|p| {
-                let mut progress = shared.lock().unwrap_or_else(PoisonError::into_inner);
-                progress.update(p.done, p.total);
-            });
-            times.render = report::milliseconds(start.elapsed());
-            Rendered { film, counts }
-        }
-    };
-    progress.finish();
-    Ok(rendered)
 }
 
 /// A picture that cannot be meant is still written, and said to be so.

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::sequence::Frames;
 use crate::gltf::EnvironmentSource;
 use crate::scene::sky::Sky;
 
@@ -39,6 +40,24 @@ pub fn samples(text: &str) -> Result<Range<u32>, String> {
         (Ok(start), Ok(end)) if start < end => Ok(start..end),
         _ => Err(FORM.into()),
     }
+}
+
+/// `A..B@FPS`, the end not included; FPS is a number or a fraction `N/D`.
+pub fn frames(text: &str) -> Result<Frames, String> {
+    const FORM: &str = "give the frames as A..B@FPS with A < B; B is not included";
+    /// So many names are made and checked before the first picture.
+    const MOST: u32 = 1_000_000;
+    let (numbers, rate) = text.split_once('@').ok_or(FORM)?;
+    let numbers = samples(numbers).map_err(|_| FORM)?;
+    if numbers.end - numbers.start > MOST {
+        return Err(format!("a sequence has {MOST} frames at most"));
+    }
+    let (over, under) = rate.split_once('/').unwrap_or((rate, "1"));
+    let part = |text| positive(text).map_err(|_| "FPS is greater than 0, such as 25 or 30000/1001");
+    Ok(Frames {
+        numbers,
+        rate: [part(over)?, part(under)?],
+    })
 }
 
 /// `THETA,PHI,RADIUS`: degrees, degrees, metres.

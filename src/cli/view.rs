@@ -1,38 +1,86 @@
 //! From where: a camera of the scene, one on an orbit, or one that frames everything.
 
-use glam::{Affine3A, Mat3, Vec3};
+use glam::{Affine3A, Mat3, Quat, Vec3};
 
+use super::render::RenderArgs;
 use crate::error::Error;
-use crate::gltf::{bounds, default_camera};
+use crate::gltf::framing_camera;
 use crate::scene::{Camera, Projection, Scene};
 
 /// Vertical field of view of cameras on an orbit, radians.
 const YFOV: f32 = std::f32::consts::FRAC_PI_4;
 
+/// What a camera is placed by where the scene's own do not say all.
+pub struct Stage {
+    center: Vec3,
+    /// The one that frames everything.
+    framing: Camera,
+}
+
+impl Stage {
+    /// `bounds`: of all that is to be seen, which may be more than this scene.
+    pub fn new(scene: &Scene, bounds: Option<(Vec3, Vec3)>, args: &RenderArgs) -> Self {
+        let [width, height] = args.size;
+        let turning = args.turntable.is_some();
+        let (low, high) = bounds.unwrap_or_default();
+        Self {
+            center: low.midpoint(high),
+            framing: framing_camera(scene, bounds, width as f32 / height as f32, turning),
+        }
+    }
+}
+
+/// The box around two boxes.
+pub fn around(one: Option<(Vec3, Vec3)>, other: Option<(Vec3, Vec3)>) -> Option<(Vec3, Vec3)> {
+    match (one, other) {
+        (Some((low, high)), Some((l, h))) => Some((low.min(l), high.max(h))),
+        (one, other) => one.or(other),
+    }
+}
+
+/// Whether the camera asked for is placed or turned by a [`Stage`].
+pub fn is_staged(scene: &Scene, args: &RenderArgs) -> bool {
+    args.turntable.is_some()
+        || match args.camera.as_deref() {
+            Some(choice) => choice == "auto",
+            None => args.orbit.is_some() || scene.cameras.is_empty(),
+        }
+}
+
 /// The camera asked for and what to call it. Without a choice it is the scene's first; a scene without
-/// cameras is framed.
+/// cameras is framed. `turn`: by so many degrees about +y through the stage's centre.
 pub fn choose(
     scene: &Scene,
-    choice: Option<&str>,
-    orbit: Option<[f64; 3]>,
-    size: [u32; 2],
+    args: &RenderArgs,
+    stage: Option<&Stage>,
+    turn: Option<f64>,
 ) -> Result<(Camera, String), Error> {
-    if let Some([theta, phi, radius]) = orbit {
-        let (low, high) = bounds(scene).unwrap_or_default();
-        let camera = orbiting(low.midpoint(high), theta, phi, radius);
+    let (mut camera, mut name) = standing(scene, args, stage)?;
+    if let (Some(degrees), Some(stage)) = (turn, stage) {
+        let turn = Quat::from_rotation_y(degrees.to_radians() as f32);
+        let about = Affine3A::from_rotation_translation(turn, stage.center - turn * stage.center);
+        camera.world_from_camera = about * camera.world_from_camera;
+        name = format!("{name} turned by {degrees}");
+    }
+    Ok((camera, name))
+}
+
+/// The same without a turn.
+fn standing(
+    scene: &Scene,
+    args: &RenderArgs,
+    stage: Option<&Stage>,
+) -> Result<(Camera, String), Error> {
+    if let (Some([theta, phi, radius]), Some(stage)) = (args.orbit, stage) {
+        let camera = orbiting(stage.center, theta, phi, radius);
         return Ok((camera, format!("orbit {theta},{phi},{radius}")));
     }
-    let framing = || {
-        let aspect = size[0] as f32 / size[1] as f32;
-        (default_camera(scene, aspect), "auto".to_owned())
-    };
-    match choice {
-        None => Ok(match scene.cameras.first() {
-            Some(camera) => (camera.clone(), named(camera, 0)),
-            None => framing(),
-        }),
-        Some("auto") => Ok(framing()),
-        Some(choice) => {
+    let framing = stage.map(|stage| (stage.framing.clone(), "auto".to_owned()));
+    match (args.camera.as_deref(), scene.cameras.first(), framing) {
+        (None, Some(camera), _) => Ok((camera.clone(), named(camera, 0))),
+        (None | Some("auto"), _, Some(framing)) => Ok(framing),
+        (choice, ..) => {
+            let choice = choice.unwrap_or("auto");
             // A name wins over a number: a camera may be named "2".
             let index = scene
                 .cameras

@@ -2,7 +2,7 @@
 
 use crate::scene::{Camera, Projection, Scene};
 use glam::{Affine3A, Mat3, Vec3};
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 /// From the front (+z), a little to the right and a little above, so that depth can be seen and a
 /// board that faces +z can still be read. Radians.
@@ -85,22 +85,27 @@ fn mean_normal(scene: &Scene) -> Vec3 {
 
 /// A perspective camera that sees the whole scene in a picture of the given width over height.
 pub fn default_camera(scene: &Scene, aspect: f32) -> Camera {
-    let (low, high) = bounds(scene).unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
+    framing_camera(scene, bounds(scene), aspect, false)
+}
+
+/// The same for a box that may hold more than the scene shows at this moment. `turning`: so far away
+/// that all of the box stays in sight while the camera turns about +y through the box's centre.
+pub fn framing_camera(
+    scene: &Scene,
+    bounds: Option<(Vec3, Vec3)>,
+    aspect: f32,
+    turning: bool,
+) -> Camera {
+    let (low, high) = bounds.unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
     let center = low.midpoint(high);
     let back = viewpoint(scene, high - low);
     let right = Vec3::Y.cross(back).normalize();
     let up = back.cross(right);
-    // Half the box's corners' extents in the picture decide: each must be inside at its own depth.
+    // The farthest points in the picture decide: each must be inside at its own depth.
     let tan_y = (0.5 * YFOV).tan();
     let tan_x = tan_y * aspect;
     let mut distance = 0.0f32;
-    for corner in 0..8u32 {
-        let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
-        let p = Vec3::new(
-            pick(0, low.x, high.x),
-            pick(1, low.y, high.y),
-            pick(2, low.z, high.z),
-        ) - center;
+    for p in farthest(0.5 * (high - low), turning) {
         let needed = (p.dot(right).abs() / tan_x).max(p.dot(up).abs() / tan_y);
         distance = distance.max(needed + p.dot(back));
     }
@@ -118,4 +123,23 @@ pub fn default_camera(scene: &Scene, aspect: f32) -> Camera {
             near: NEAR * distance,
         },
     }
+}
+
+/// The corners of a box about the origin; for one that turns about +y, points of the rims of the
+/// cylinder that it fills.
+fn farthest(half: Vec3, turning: bool) -> Vec<Vec3> {
+    /// So close that what lies between two is no farther by more than a thousandth.
+    const STEPS: u32 = 72;
+    let around: Vec<[f32; 2]> = if turning {
+        let radius = half.x.hypot(half.z);
+        let angles = (0..STEPS).map(|step| TAU * step as f32 / STEPS as f32);
+        angles
+            .map(|a| [radius * a.sin(), radius * a.cos()])
+            .collect()
+    } else {
+        let (x, z) = (half.x, half.z);
+        vec![[-x, -z], [x, -z], [-x, z], [x, z]]
+    };
+    let both = |[x, z]: [f32; 2]| [Vec3::new(x, -half.y, z), Vec3::new(x, half.y, z)];
+    around.into_iter().flat_map(both).collect()
 }

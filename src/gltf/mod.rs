@@ -33,7 +33,7 @@ pub use asset::Asset;
 pub use environment::{EnvironmentSource, default_environment, load_environment};
 pub use error::GltfError;
 pub use extension::{ExtensionUse, Treatment};
-pub use framing::{bounds, default_camera};
+pub use framing::{bounds, default_camera, framing_camera};
 pub use material::material_of_query;
 pub use xmp::Metadata;
 

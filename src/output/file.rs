@@ -1,6 +1,7 @@
 //! All outputs or none: files are written whole under temporary names beside their places, and
 //! renamed only when every one of them is there.
 
+use std::collections::HashSet;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -9,10 +10,12 @@ use tempfile::{Builder, NamedTempFile};
 use super::{OutputError, Place};
 
 /// Finds out before a render what would only be found out after it: places named twice, folders that
-/// are missing or cannot be written to.
+/// are missing or cannot be written to. Each folder is tried once: a sequence has many places in one.
 pub fn check(places: &[&Place]) -> Result<(), OutputError> {
-    for (i, place) in places.iter().enumerate() {
-        if places[..i].contains(place) {
+    let mut named = HashSet::new();
+    let mut tried = HashSet::new();
+    for place in places {
+        if !named.insert(place) {
             return Err(OutputError::Twice(match place {
                 Place::Stdout => PathBuf::from("-"),
                 Place::File(path) => path.clone(),
@@ -22,10 +25,14 @@ pub fn check(places: &[&Place]) -> Result<(), OutputError> {
             if path.is_dir() {
                 return Err(OutputError::IsFolder(path.clone()));
             }
-            temporary(path).map_err(|source| OutputError::Folder {
-                path: path.clone(),
-                source,
-            })?;
+            let folder = folder(&resolved(path));
+            if !tried.contains(&folder) {
+                temporary(&folder).map_err(|source| OutputError::Folder {
+                    path: path.clone(),
+                    source,
+                })?;
+                tried.insert(folder);
+            }
         }
     }
     Ok(())
@@ -37,7 +44,7 @@ pub fn write_all(outputs: &[(&Place, &[u8])]) -> Result<(), OutputError> {
     let mut waiting = Vec::new();
     for (place, bytes) in outputs {
         if let Place::File(path) = place {
-            let written = temporary(path).and_then(|mut file| {
+            let written = temporary(&folder(&resolved(path))).and_then(|mut file| {
                 file.write_all(bytes)?;
                 file.as_file().sync_all()?;
                 Ok(file)
@@ -72,19 +79,22 @@ fn write_error(path: &Path, source: io::Error) -> OutputError {
     }
 }
 
-/// A file beside `path` that vanishes when dropped.
-fn temporary(path: &Path) -> io::Result<NamedTempFile> {
-    let path = resolved(path);
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+/// A file in a folder that vanishes when dropped.
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(".snell-").suffix(".part");
     // Temporary files are for their owner alone; pictures are as open as the umask lets them be.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
+}
+
+/// The one that a file is in.
+fn folder(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
 }
 
 /// Where a symbolic link points to, so that the link stays a link; else the path itself.

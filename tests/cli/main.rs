@@ -6,4 +6,5 @@ mod json_schema;
 mod pictures;
 mod place;
 mod record;
+mod sequence;
 mod status;

@@ -112,6 +112,57 @@ pub fn scene() -> Value {
     })
 }
 
+/// The same with a node's way in two seconds from 2 m on the left to 2 m on the right, and another
+/// animation that lifts it.
+pub fn animated() -> Value {
+    let mut scene = scene();
+    let values: [f32; 14] = [
+        0.0, 2.0, -2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0,
+    ];
+    let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+    let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
+    let add =
+        |list: &mut Value, more: &[Value]| list.as_array_mut().unwrap().extend_from_slice(more);
+    add(
+        &mut scene["buffers"],
+        &[json!({
+            "byteLength": bytes.len(),
+            "uri": format!("data:application/octet-stream;base64,{data}")
+        })],
+    );
+    add(
+        &mut scene["bufferViews"],
+        &[json!({ "buffer": 1, "byteLength": bytes.len() })],
+    );
+    let accessor = |offset: usize, kind: &str| {
+        json!({
+            "bufferView": 1, "byteOffset": offset, "componentType": 5126, "count": 2, "type": kind,
+            "min": [0.0], "max": [2.0]
+        })
+    };
+    let vector = |offset| {
+        let mut vector = accessor(offset, "VEC3");
+        vector
+            .as_object_mut()
+            .unwrap()
+            .retain(|key, _| key != "min" && key != "max");
+        vector
+    };
+    add(
+        &mut scene["accessors"],
+        &[accessor(0, "SCALAR"), vector(8), vector(32)],
+    );
+    let animation = |name: &str, output: usize| {
+        json!({
+            "name": name,
+            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
+            "samplers": [{ "input": 1, "output": output }]
+        })
+    };
+    scene["animations"] = json!([animation("walk", 2), animation("jump", 3)]);
+    scene
+}
+
 pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }

@@ -67,6 +67,51 @@ fn wrong_usage_is_status_2_and_writes_nothing() {
             "render scene.gltf -o a.png --camera 0",
             "the scene has none",
         ),
+        ("render scene.gltf -o a.png --time later", "finite"),
+        ("render scene.gltf -o a.png --shutter -1", "negative"),
+        (
+            "render scene.gltf -o a.png --animation walk",
+            "the file has none",
+        ),
+        (
+            "render scene.gltf -o a.png --variant red",
+            "the file has none",
+        ),
+        (
+            "render scene.gltf -o a{}.png --frames 0..4@25 --time 1",
+            "--time",
+        ),
+        ("render scene.gltf -o a{}.png --frames 0..4", "A..B@FPS"),
+        ("render scene.gltf -o a{}.png --frames 4..4@25", "A < B"),
+        ("render scene.gltf -o a{}.png --frames 0..4@0", "FPS"),
+        ("render scene.gltf -o a{}.png --frames 0..4@25/0", "FPS"),
+        ("render scene.gltf -o a{}.png --frames 0..4@nan", "FPS"),
+        (
+            "render scene.gltf -o a{}.png --frames 0..4000000000@25",
+            "at most",
+        ),
+        (
+            "render scene.gltf -o a.png --frames 0..4@25",
+            "no place for a number",
+        ),
+        (
+            "render scene.gltf -o a{:x}{0}.png --frames 0..4@25",
+            "no place for a number",
+        ),
+        (
+            "render scene.gltf -o a{:04}_{}.png --frames 0..4@25",
+            "more than one place",
+        ),
+        ("render scene.gltf -o - --frames 0..4@25", "many pictures"),
+        (
+            "render scene.gltf -o a{}.png --report r.json --frames 0..4@25",
+            "'r.json' holds no place",
+        ),
+        (
+            "render scene.gltf -o a{}.png -o a{:02}.png --frames 8..12@25",
+            "'a10.png' is named as an output more than once",
+        ),
+        ("render scene.gltf -o a.png --turntable 360", "--frames"),
         ("render scene.gltf -o picture.bmp", "'picture.bmp'"),
         ("render scene.gltf -o picture", ".webp"),
         ("render scene.gltf -o a.png -o a.png", "more than once"),
@@ -98,7 +143,18 @@ fn outputs_that_cannot_be_written_are_known_before_loading() {
         8,
         "missing/r.json",
     );
+    place.fail(
+        "render none.gltf -o missing/{}.png --frames 0..3@25",
+        8,
+        "missing/0.png",
+    );
     fs::create_dir(place.path("folder.png")).unwrap();
+    fs::create_dir(place.path("frame_2.png")).unwrap();
+    place.fail(
+        "render none.gltf -o frame_{}.png --frames 0..3@25",
+        8,
+        "frame_2.png': it is a folder",
+    );
     place.fail("render none.gltf -o folder.png", 8, "is a folder");
 }
 
