@@ -40,6 +40,18 @@ pub enum GltfError {
         at: String,
         name: String,
     },
+    /// The file cannot be drawn without an extension that this build has left out.
+    #[error(
+        "{}: {name} is required and this build is without it; build Snell with the cargo feature \
+         `{feature}`, or export the file without it",
+        place(file, at)
+    )]
+    MissingFeature {
+        file: PathBuf,
+        at: String,
+        name: String,
+        feature: &'static str,
+    },
     /// The scene would take more memory than allowed.
     #[error(
         "{}: {needed} bytes are needed and {left} are left of the {limit} allowed; \
@@ -60,7 +72,7 @@ impl GltfError {
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Unreadable { .. } | Self::Invalid { .. } | Self::Forbidden { .. } => 3,
-            Self::UnsupportedExtension { .. } => 4,
+            Self::UnsupportedExtension { .. } | Self::MissingFeature { .. } => 4,
             Self::OverMemory { .. } => 6,
         }
     }
@@ -72,6 +84,7 @@ impl GltfError {
             | Self::Invalid { at, .. }
             | Self::Forbidden { at, .. }
             | Self::UnsupportedExtension { at, .. }
+            | Self::MissingFeature { at, .. }
             | Self::OverMemory { at, .. } => at,
         }
     }

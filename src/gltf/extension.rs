@@ -115,10 +115,26 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
             "the uncompressed fallback is drawn",
             false,
         ),
+        #[cfg(feature = "basisu")]
+        ("KHR_texture_basisu", Supported, "", true),
+        #[cfg(not(feature = "basisu"))]
         (
             "KHR_texture_basisu",
             Ignored,
-            "the PNG or JPEG fallback is drawn, if there is one",
+            "this build lacks the cargo feature `basisu`: the PNG or JPEG fallback is drawn, if there \
+             is one",
+            false,
+        ),
+        (
+            "EXT_texture_avif",
+            Ignored,
+            "the fallback is drawn, if there is one",
+            false,
+        ),
+        (
+            "MSFT_texture_dds",
+            Ignored,
+            "the fallback is drawn, if there is one",
             false,
         ),
         (
@@ -142,6 +158,9 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
     ]
 };
 
+/// The cargo feature that brings an extension.
+const FEATURES: &[(&str, &str)] = &[("KHR_texture_basisu", "basisu")];
+
 /// Lists the extensions of a file; an error where it requires one that is not supported.
 pub fn inventory(root: &Json<'_>) -> Result<Vec<ExtensionUse>, GltfError> {
     let mut found = BTreeMap::new();
@@ -153,7 +172,11 @@ pub fn inventory(root: &Json<'_>) -> Result<Vec<ExtensionUse>, GltfError> {
             .iter()
             .any(|&(known, .., drawable)| known == text && drawable)
         {
-            return Err(name.unsupported_extension(text));
+            let feature = FEATURES.iter().find(|(known, _)| *known == text);
+            return Err(match feature {
+                Some(&(_, feature)) => name.missing_feature(text, feature),
+                None => name.unsupported_extension(text),
+            });
         }
         required.push(text);
     }

@@ -1,9 +1,12 @@
-//! Images: PNG, JPEG and WebP, told apart by their first bytes and not by what the file calls them.
+//! Images: PNG, JPEG, WebP and KTX2, told apart by their first bytes and not by what the file calls
+//! them.
 
 use super::buffer::Buffers;
 use super::error::GltfError;
 use super::extension::{ExtensionUse, undeclared};
 use super::json::Json;
+#[cfg(feature = "basisu")]
+use super::ktx2::{self, Ktx2};
 use super::notes::Notes;
 use super::source::Source;
 use crate::scene::{Image, Pixels};
@@ -25,11 +28,20 @@ struct Entry {
     /// The glTF's index.
     index: usize,
     state: State,
+    remarks: Remarks,
+}
+
+/// What the container says that a texture may have to say more about.
+#[derive(Default)]
+struct Remarks {
+    /// Whether its colours are coded in sRGB, where it tells.
+    srgb: Option<bool>,
+    oddities: Vec<&'static str>,
 }
 
 enum State {
     /// The bytes of one that has a URI; a buffer view's are where they are.
-    Encoded(ImageFormat, Option<Vec<u8>>),
+    Encoded(Format, Option<Vec<u8>>),
     Decoded(Arc<Image>),
 }
 
@@ -55,14 +67,23 @@ impl Images {
             Some(&found) => found,
             None => {
                 let (bytes, owned) = read(json, buffers, source)?;
-                let found = match Container::of(owned.as_deref().unwrap_or(bytes)) {
+                let bytes = owned.as_deref().unwrap_or(bytes);
+                let found = match Container::of(bytes) {
                     Some(Container::Read(format)) => {
-                        let state = State::Encoded(format, owned);
-                        self.images.push(Entry { index, state });
+                        let remarks = match format {
+                            Format::Image(_) => Remarks::default(),
+                            #[cfg(feature = "basisu")]
+                            Format::Ktx2 => ktx2_remarks(json, bytes)?,
+                        };
+                        self.images.push(Entry {
+                            index,
+                            state: State::Encoded(format, owned),
+                            remarks,
+                        });
                         Found::Read(self.images.len() - 1)
                     }
                     Some(Container::Extension(name, kind)) => Found::Left(name, kind),
-                    None => return Err(json.invalid("it is neither PNG, JPEG nor WebP")),
+                    None => return Err(json.invalid("it is neither PNG, JPEG, WebP nor KTX2")),
                 };
                 self.found.insert(index, found);
                 found
@@ -76,6 +97,18 @@ impl Images {
                 None
             }
         })
+    }
+
+    /// What is odd about the image at `place` of `Scene::images` for a texture that takes its colours
+    /// as sRGB or as linear; the texture has the last word.
+    pub fn remarks(&self, place: usize, srgb: bool) -> impl Iterator<Item = &'static str> {
+        let remarks = &self.images[place].remarks;
+        let other = match remarks.srgb {
+            Some(true) if !srgb => Some("the KTX2 image says sRGB and is used as linear"),
+            Some(false) if srgb => Some("the KTX2 image says linear and is used as sRGB"),
+            _ => None,
+        };
+        remarks.oddities.iter().copied().chain(other)
     }
 
     /// All of them, decoded in parallel where they are not yet.
@@ -125,20 +158,32 @@ fn read<'b>(
     }
 }
 
+#[derive(Clone, Copy)]
+enum Format {
+    /// What the crate `image` decodes.
+    Image(ImageFormat),
+    #[cfg(feature = "basisu")]
+    Ktx2,
+}
+
 enum Container {
-    Read(ImageFormat),
+    Read(Format),
     /// The extension that brings the format, and the format's name.
     Extension(&'static str, &'static str),
 }
 
 impl Container {
+    fn image(format: ImageFormat) -> Self {
+        Self::Read(Format::Image(format))
+    }
+
     fn of(bytes: &[u8]) -> Option<Self> {
         const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
         const JPEG: &[u8] = b"\xff\xd8\xff";
         const KTX2: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
         match bytes {
-            _ if bytes.starts_with(PNG) => Some(Self::Read(ImageFormat::Png)),
-            _ if bytes.starts_with(JPEG) => Some(Self::Read(ImageFormat::Jpeg)),
+            _ if bytes.starts_with(PNG) => Some(Self::image(ImageFormat::Png)),
+            _ if bytes.starts_with(JPEG) => Some(Self::image(ImageFormat::Jpeg)),
             [
                 b'R',
                 b'I',
@@ -153,7 +198,10 @@ impl Container {
                 b'B',
                 b'P',
                 ..,
-            ] => Some(Self::Read(ImageFormat::WebP)),
+            ] => Some(Self::image(ImageFormat::WebP)),
+            #[cfg(feature = "basisu")]
+            _ if bytes.starts_with(KTX2) => Some(Self::Read(Format::Ktx2)),
+            #[cfg(not(feature = "basisu"))]
             _ if bytes.starts_with(KTX2) => Some(Self::Extension("KHR_texture_basisu", "KTX2")),
             _ if bytes.starts_with(b"DDS ") => Some(Self::Extension("MSFT_texture_dds", "DDS")),
             [
@@ -179,9 +227,14 @@ impl Container {
 fn decode(
     json: &Json<'_>,
     bytes: &[u8],
-    format: ImageFormat,
+    format: Format,
     source: &Source,
 ) -> Result<Image, GltfError> {
+    let format = match format {
+        Format::Image(format) => format,
+        #[cfg(feature = "basisu")]
+        Format::Ktx2 => return decode_ktx2(json, bytes, source),
+    };
     let broken = |error: image::ImageError| json.invalid(format!("the image is damaged: {error}"));
     let reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut decoder = reader.into_decoder().map_err(broken)?;
@@ -194,7 +247,7 @@ fn decode(
     // What the header claims is paid for before anything is decoded: the result, and the decoder's
     // own pixels, which go away again.
     let pixel: u64 = if wide { 8 } else { 4 };
-    let size = u64::from(width) * u64::from(height) * pixel;
+    let size = (u64::from(width) * u64::from(height)).saturating_mul(pixel);
     let budget = &source.budget;
     budget.take(size, json.file(), &json.at)?;
     if decoder.total_bytes() > budget.left() {
@@ -209,6 +262,40 @@ fn decode(
         width,
         height,
         pixels: pixels(image, color),
+    })
+}
+
+#[cfg(feature = "basisu")]
+fn ktx2_remarks(json: &Json<'_>, bytes: &[u8]) -> Result<Remarks, GltfError> {
+    let image = Ktx2::read(bytes).map_err(|fault| unreadable(json, fault))?;
+    Ok(Remarks {
+        srgb: image.srgb,
+        oddities: image.oddities,
+    })
+}
+
+#[cfg(feature = "basisu")]
+fn decode_ktx2(json: &Json<'_>, bytes: &[u8], source: &Source) -> Result<Image, GltfError> {
+    let image = Ktx2::read(bytes).map_err(|fault| unreadable(json, fault))?;
+    source
+        .budget
+        .take(image.bytes_needed(), json.file(), &json.at)?;
+    let pixels = image
+        .decode()
+        .map_err(|what| unreadable(json, what.into()))?;
+    Ok(Image {
+        name: name(json),
+        width: image.width,
+        height: image.height,
+        pixels,
+    })
+}
+
+#[cfg(feature = "basisu")]
+fn unreadable(json: &Json<'_>, fault: ktx2::Fault) -> GltfError {
+    json.invalid(match fault {
+        ktx2::Fault::Damaged(what) => format!("the KTX2 image is damaged: {what}"),
+        ktx2::Fault::Refused(what) => what,
     })
 }
 

@@ -48,6 +48,15 @@ impl<'a> Json<'a> {
         }
     }
 
+    pub fn missing_feature(&self, name: &str, feature: &'static str) -> GltfError {
+        GltfError::MissingFeature {
+            file: self.file().to_owned(),
+            at: self.at.clone(),
+            name: name.to_owned(),
+            feature,
+        }
+    }
+
     pub fn unsupported_extension(&self, name: &str) -> GltfError {
         GltfError::UnsupportedExtension {
             file: self.document.path.clone(),

@@ -13,10 +13,14 @@ mod camera;
 mod deform;
 mod environment;
 mod error;
+#[cfg(feature = "basisu")]
+mod etc1s;
 mod extension;
 mod framing;
 mod image;
 mod json;
+#[cfg(feature = "basisu")]
+mod ktx2;
 mod light;
 mod material;
 mod mesh;
@@ -26,6 +30,8 @@ mod notes;
 mod place;
 mod source;
 mod tangent;
+#[cfg(feature = "basisu")]
+mod uastc;
 mod xmp;
 
 pub use animation::{AnimationChoice, AnimationInfo, Moment};

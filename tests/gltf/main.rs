@@ -4,9 +4,15 @@
 mod asset;
 mod corpus;
 mod environment;
+#[cfg(feature = "basisu")]
+mod etc1s_file;
 mod extensions;
 mod geometry;
 mod info;
+#[cfg(feature = "basisu")]
+mod ktx2;
+#[cfg(feature = "basisu")]
+mod ktx2_file;
 mod materials;
 mod nodes;
 mod oracle;

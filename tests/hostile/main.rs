@@ -5,7 +5,15 @@
 #[path = "../gltf/asset.rs"]
 mod asset;
 mod content;
+#[cfg(feature = "basisu")]
+#[path = "../gltf/etc1s_file.rs"]
+mod etc1s_file;
 mod files;
+#[cfg(feature = "basisu")]
+mod ktx2;
+#[cfg(feature = "basisu")]
+#[path = "../gltf/ktx2_file.rs"]
+mod ktx2_file;
 mod mutants;
 mod structure;
 

@@ -5,12 +5,26 @@ use crate::{edited, expect, invalid};
 use serde_json::{Value, json};
 use snell::gltf::LoadOptions;
 
+#[cfg(not(feature = "basisu"))]
+#[test]
+fn required_extensions_that_this_build_left_out() {
+    let name = "KHR_texture_basisu";
+    let asset = edited(|json| json["extensionsRequired"] = json!([name]));
+    let result = asset.try_load().map(|_| ());
+    expect(
+        result,
+        4,
+        "extensionsRequired[0]",
+        "the cargo feature `basisu`",
+    );
+}
+
 #[test]
 fn required_extensions_that_are_not_known() {
     for name in [
         "VENDOR_magic",
         "KHR_draco_mesh_compression",
-        "KHR_texture_basisu",
+        "EXT_texture_avif",
     ] {
         let asset = edited(|json| json["extensionsRequired"] = json!(["KHR_materials_ior", name]));
         let result = asset.try_load().map(|_| ());

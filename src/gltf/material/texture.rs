@@ -8,6 +8,14 @@ use crate::scene::{Filter, Texture, Wrap};
 use glam::Vec3;
 use gltf::json::texture::{CLAMP_TO_EDGE, LINEAR, MIRRORED_REPEAT, NEAREST, REPEAT};
 
+/// Extensions whose images are read in place of a texture's own, the better ones first: WebP loses less
+/// than the blocks of Basis Universal, and PNG and JPEG are fallbacks beside either.
+const READ: &[&str] = if cfg!(feature = "basisu") {
+    &["EXT_texture_webp", "KHR_texture_basisu"]
+} else {
+    &["EXT_texture_webp"]
+};
+
 impl Materials<'_> {
     /// The texture that a textureInfo names.
     pub fn file_texture(
@@ -16,11 +24,11 @@ impl Materials<'_> {
         srgb: bool,
     ) -> Result<Option<Texture>, GltfError> {
         let (_, texture) = info.required("index")?.follow("textures")?;
-        let webp = texture.extension("EXT_texture_webp")?;
-        let source = match webp.as_ref().and_then(|webp| webp.get("source")) {
-            Some(source) => Some(source),
-            None => texture.get("source"),
-        };
+        let mut source = texture.get("source");
+        for name in READ.iter().rev() {
+            let extension = texture.extension(name)?;
+            source = extension.and_then(|e| e.get("source")).or(source);
+        }
         let Some(source) = source else {
             self.notes
                 .add("a texture without a readable image is left out", &info.at);
@@ -37,6 +45,9 @@ impl Materials<'_> {
         else {
             return Ok(None);
         };
+        for remark in self.images.remarks(image, srgb) {
+            self.notes.add(remark, &info.at);
+        }
         let transform = info.extension("KHR_texture_transform")?;
         let texcoord = match &transform {
             Some(transform) if transform.get("texCoord").is_some() => transform.uint("texCoord")?,
