@@ -14,3 +14,8 @@ import package::shared::{Frame, Tables, Triangle, Instance, Material, Light};
 @group(0) @binding(8) var<storage, read> lights: array<Light>;
 @group(0) @binding(9) var environment: texture_2d<f32>;
 @group(0) @binding(10) var environment_cells: texture_2d<f32>;
+// `texels` where they are more than one binding holds: see texel_word.
+@group(0) @binding(11) var texel_page0: texture_2d_array<u32>;
+@group(0) @binding(12) var texel_page1: texture_2d_array<u32>;
+@group(0) @binding(13) var texel_page2: texture_2d_array<u32>;
+@group(0) @binding(14) var texel_page3: texture_2d_array<u32>;

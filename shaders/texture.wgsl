@@ -4,7 +4,9 @@
 
 import package::shared::{Texture, NONE, WRAP_CLAMP, WRAP_MIRROR, FORMAT_RGBA8_SRGB};
 import package::shared::{FORMAT_RGBA16_UNORM, FILTER_LINEAR};
-import package::bindings::{texels};
+import package::bindings::{texels, texel_page0, texel_page1, texel_page2, texel_page3};
+import package::variant::{TEXEL_SIDE_BITS, TEXEL_LAYER_BITS, TEXELS_IN_BUFFER};
+import package::variant::{TEXELS_IN_2_PAGES, TEXELS_IN_3_PAGES, TEXELS_IN_4_PAGES};
 
 // IEC 61966-2-1: where the linear foot of the curve ends, in encoded units.
 const SRGB_FOOT: f32 = 0.04045;
@@ -51,13 +53,34 @@ fn wrap_texel(i: i32, size: u32, wrap: u32) -> u32 {
     return u32((i + n) % n);
 }
 
+// A word of the scene's texels. Pages are filled one after another, layer by layer and row by row.
+fn texel_word(index: u32) -> u32 {
+    if TEXELS_IN_BUFFER {
+        return texels[index];
+    }
+    let last = (1u << TEXEL_SIDE_BITS) - 1u;
+    let at = vec2<u32>(index & last, (index >> TEXEL_SIDE_BITS) & last);
+    let layer = (index >> (2u * TEXEL_SIDE_BITS)) & ((1u << TEXEL_LAYER_BITS) - 1u);
+    let page = index >> (2u * TEXEL_SIDE_BITS + TEXEL_LAYER_BITS);
+    if TEXELS_IN_2_PAGES && page == 1u {
+        return textureLoad(texel_page1, at, layer, 0).x;
+    }
+    if TEXELS_IN_3_PAGES && page == 2u {
+        return textureLoad(texel_page2, at, layer, 0).x;
+    }
+    if TEXELS_IN_4_PAGES && page == 3u {
+        return textureLoad(texel_page3, at, layer, 0).x;
+    }
+    return textureLoad(texel_page0, at, layer, 0).x;
+}
+
 // One texel, decoded; x and y lie in the image, row 0 on top.
 fn texel_load(texture: Texture, x: u32, y: u32) -> vec4<f32> {
     let index = y * texture.size.x + x;
     let format = texture.format & 0xffu;
     if format == FORMAT_RGBA16_UNORM {
-        let red_green = texels[texture.texels + 2u * index];
-        let blue_alpha = texels[texture.texels + 2u * index + 1u];
+        let red_green = texel_word(texture.texels + 2u * index);
+        let blue_alpha = texel_word(texture.texels + 2u * index + 1u);
         return vec4<f32>(
             f32(red_green & 0xffffu),
             f32(red_green >> 16u),
@@ -65,7 +88,7 @@ fn texel_load(texture: Texture, x: u32, y: u32) -> vec4<f32> {
             f32(blue_alpha >> 16u),
         ) / 65535.0;
     }
-    let word = texels[texture.texels + index];
+    let word = texel_word(texture.texels + index);
     let value = vec4<f32>(
         f32(word & 0xffu),
         f32((word >> 8u) & 0xffu),

@@ -43,3 +43,13 @@ const COMMON_MODEL: u32 = 0xffffffffu;
 const COMMON_FRESNEL: u32 = 0xffffffffu;
 const COMMON_DISTRIBUTION: u32 = 0xffffffffu;
 const COMMON_MASKING: u32 = 0xffffffffu;
+
+// Where the texels are (src/gpu/upload.rs): in a buffer, or in so many textures, whose layers have a side
+// of 1 << TEXEL_SIDE_BITS words and are 1 << TEXEL_LAYER_BITS in each.
+const TEXEL_PAGES: u32 = 0u;
+const TEXEL_SIDE_BITS: u32 = 12u;
+const TEXEL_LAYER_BITS: u32 = 4u;
+const TEXELS_IN_BUFFER: bool = TEXEL_PAGES == 0u;
+const TEXELS_IN_2_PAGES: bool = TEXEL_PAGES >= 2u;
+const TEXELS_IN_3_PAGES: bool = TEXEL_PAGES >= 3u;
+const TEXELS_IN_4_PAGES: bool = TEXEL_PAGES >= 4u;

@@ -3,15 +3,23 @@
 #![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
 
 mod common;
+#[path = "common/picture.rs"]
+mod picture;
 
 use bytemuck::Zeroable;
 use common::packed::{empty_packed, identity_texture, no_texture};
-use common::shapes::Random;
-use glam::{DVec2, DVec3, DVec4};
+use common::shapes::{self, Random};
+use glam::{Affine3A, DVec2, DVec3, DVec4, Vec2, Vec3};
 use snell::cpu::attributes::*;
 use snell::cpu::texture::*;
-use snell::pack::Packed;
+use snell::gpu::device::Gpu;
+use snell::gpu::link::Value;
+use snell::gpu::upload::{Scene, UploadError};
+use snell::pack::{Packed, pack};
+use snell::scene::material::IDENTITY_ROWS;
+use snell::scene::{self, Filter, Image, Model, Pixels, Wrap};
 use snell::shared::*;
+use std::sync::Arc;
 
 const COUNT: usize = 100_000;
 const LINEAR: u32 = FILTER_LINEAR << 8;
@@ -315,6 +323,155 @@ fn wrapped_coordinates_stay_in_the_image() {
             let alpha = texture_sample(&packed, &texture, DVec2::new(u.into(), v.into())).w;
             assert!((250.0 / 255.0 - 1e-9..=1.0).contains(&alpha));
         }
+    }
+}
+
+/// Asks for words of the texels by number.
+const WORDS: &str = "
+import package::texture::{texel_word};
+@group(3) @binding(0) var<storage, read> indices: array<u32>;
+@group(3) @binding(1) var<storage, read_write> answers: array<u32>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&indices) { return; }
+    answers[id.x] = texel_word(indices[id.x]);
+}";
+
+fn texel_words_gpu(gpu: &Gpu, packed: &Packed, indices: &[u32]) -> Vec<u32> {
+    let inputs: [&[u8]; 1] = [bytemuck::cast_slice(indices)];
+    let count = indices.len();
+    let answers = common::run_on(gpu, WORDS, Some(packed), &inputs, 4 * count, count as u32);
+    bytemuck::pod_collect_to_vec(&answers)
+}
+
+/// Pages of 64 x 64 words, of one layer or of four.
+#[test]
+fn texels_that_no_binding_holds_are_paged() {
+    let mut gpu = common::gpu();
+    let buffers = gpu.limits.max_storage_buffer_binding_size;
+    gpu.limits.max_texture_dimension_2d = 64;
+    for layers in [1, 4] {
+        gpu.limits.max_texture_array_layers = layers;
+        let page = 64 * 64 * layers as usize;
+        // From a part of the first row to all four pages.
+        for count in [
+            2000,
+            page - 1,
+            page,
+            page + 63,
+            2 * page + 64,
+            3 * page + 1,
+            4 * page,
+        ] {
+            let mut packed = empty_packed();
+            packed.texels = (0..count as u32)
+                .map(|i| i.wrapping_mul(0x9E37_79B9))
+                .collect();
+            let indices: Vec<u32> = (0..count as u32).collect();
+            gpu.limits.max_storage_buffer_binding_size = 7999;
+            assert_eq!(
+                texel_words_gpu(&gpu, &packed, &indices),
+                packed.texels,
+                "{count}"
+            );
+            let scene = Scene::upload(&gpu, &packed).unwrap();
+            let pages = count.div_ceil(page) as u32;
+            assert_eq!(scene.constants()[0], ("TEXEL_PAGES", Value::Uint(pages)));
+            // What fits stays in its buffer.
+            gpu.limits.max_storage_buffer_binding_size = buffers;
+            assert!(Scene::upload(&gpu, &packed).unwrap().constants().is_empty());
+            assert_eq!(
+                texel_words_gpu(&gpu, &packed, &indices),
+                packed.texels,
+                "{count}"
+            );
+        }
+        let mut packed = empty_packed();
+        packed.texels = vec![0; 4 * page + 1];
+        gpu.limits.max_storage_buffer_binding_size = 7999;
+        match Scene::upload(&gpu, &packed).map(|_| ()) {
+            Err(UploadError::TooLarge {
+                what: "texels",
+                limit,
+                ..
+            }) => {
+                assert_eq!(limit, 16 * page as u64);
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// More than the 128 MiB that WebGPU grants a binding by default, and lavapipe any.
+#[test]
+fn texels_beyond_128_mib_are_read() {
+    let gpu = common::gpu();
+    let count = 160 << 18;
+    let bytes = 4 * u64::from(count);
+    assert!(bytes > gpu.limits.max_storage_buffer_binding_size.into());
+    let mut packed = empty_packed();
+    packed.texels = (0..count)
+        .map(|i: u32| i.wrapping_mul(0x9E37_79B9))
+        .collect();
+    let indices: Vec<u32> = (0..COUNT as u32)
+        .map(|i| i * 419)
+        .chain([count - 1])
+        .collect();
+    assert!(indices.iter().all(|&index| index < count));
+    let expected: Vec<u32> = indices.iter().map(|&i| packed.texels[i as usize]).collect();
+    assert_eq!(texel_words_gpu(&gpu, &packed, &indices), expected);
+}
+
+/// A textured quad gives the same film whether its texels are paged or not.
+#[test]
+fn a_paged_picture_is_the_same() {
+    let image = |seed| {
+        let mut uniform = Random(seed);
+        let pixels = (0..4 * 1024 * 1280).map(|_| uniform.bits() as u8).collect();
+        Arc::new(Image {
+            name: String::new(),
+            width: 1024,
+            height: 1280,
+            pixels: Pixels::Rgba8(pixels),
+        })
+    };
+    let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|at| (2.0 * at - 1.0).extend(-1.0));
+    let mut quad = shapes::flat(&[
+        [corners[0], corners[1], corners[2]],
+        [corners[0], corners[2], corners[3]],
+    ]);
+    let uv = |at: &Vec3| (at.truncate() + 1.0) / 2.0;
+    let primitive = &mut quad.primitives[0];
+    primitive.texcoords = vec![primitive.positions.iter().map(uv).collect()];
+    let mut scene = shapes::scene(vec![quad], vec![shapes::instance(0, Affine3A::IDENTITY)]);
+    scene.images = vec![image(1), image(2)];
+    let texture = |image, srgb| scene::Texture {
+        image,
+        srgb,
+        wrap_s: Wrap::Repeat,
+        wrap_t: Wrap::Mirror,
+        filter: Filter::Linear,
+        texcoord: 0,
+        rows: IDENTITY_ROWS,
+    };
+    scene.materials[0].emissive = Vec3::ONE;
+    scene.materials[0].emissive_texture = Some(texture(0, true));
+    if let Model::MetallicRoughness(m) = &mut scene.materials[0].model {
+        m.base_color_texture = Some(texture(1, true));
+    }
+    let mut view = shapes::view();
+    view.film_size = [32, 32];
+    let packed = pack(&scene, &view).unwrap();
+    let settings = picture::whole(&packed, 2);
+    let mut gpu = common::gpu();
+    let plain = picture::on_gpu(&mut gpu, &packed, &settings);
+    // Less than the texels, and more than all else, the renderer's own buffers included.
+    gpu.limits.max_storage_buffer_binding_size = 8 << 20;
+    assert!(!Scene::upload(&gpu, &packed).unwrap().constants().is_empty());
+    let paged = picture::on_gpu(&mut gpu, &packed, &settings);
+    assert!(!plain.is_black());
+    for (a, b) in plain.pixels.iter().zip(&paged.pixels) {
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
     }
 }
 

@@ -47,14 +47,18 @@ pub fn wrap_texel(i: i32, size: u32, wrap: u32) -> u32 {
     wrapped as u32
 }
 
+/// A word of the scene's texels.
+pub fn texel_word(packed: &Packed, index: u32) -> u32 {
+    packed.texels[index as usize]
+}
+
 /// One texel, decoded; x and y lie in the image, row 0 on top.
 pub fn texel_load(packed: &Packed, texture: &Texture, x: u32, y: u32) -> DVec4 {
-    let word = |offset: u32| packed.texels[(texture.texels + offset) as usize];
     let index = y * texture.size[0] + x;
     let format = texture.format & 0xff;
     if format == FORMAT_RGBA16_UNORM {
-        let red_green = word(2 * index);
-        let blue_alpha = word(2 * index + 1);
+        let red_green = texel_word(packed, texture.texels + 2 * index);
+        let blue_alpha = texel_word(packed, texture.texels + 2 * index + 1);
         return DVec4::new(
             f64::from(red_green & 0xffff),
             f64::from(red_green >> 16),
@@ -62,7 +66,11 @@ pub fn texel_load(packed: &Packed, texture: &Texture, x: u32, y: u32) -> DVec4 {
             f64::from(blue_alpha >> 16),
         ) / 65535.0;
     }
-    let value = DVec4::from_array(word(index).to_le_bytes().map(f64::from)) / 255.0;
+    let value = DVec4::from_array(
+        texel_word(packed, texture.texels + index)
+            .to_le_bytes()
+            .map(f64::from),
+    ) / 255.0;
     if format == FORMAT_RGBA8_SRGB {
         return srgb_decode(value.truncate()).extend(value.w);
     }

@@ -135,13 +135,8 @@ fn prepare(
         .min(most)
         // At least one sample of a whole tile.
         .max(tile_pixels);
-    let wavefront = Wavefront::new(
-        gpu,
-        scene,
-        &constants(packed),
-        capacity as u32,
-        tile_pixels as u32,
-    )?;
+    let constants = [constants(packed), scene.constants()].concat();
+    let wavefront = Wavefront::new(gpu, scene, &constants, capacity as u32, tile_pixels as u32)?;
     if let Some(fault) = gpu.take_fault() {
         return Err(fault.into());
     }

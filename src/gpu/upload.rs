@@ -2,6 +2,7 @@
 //! `shaders/bindings.wgsl` says.
 
 use super::device::{Fault, Gpu};
+use super::link::Value;
 use crate::pack::Packed;
 use crate::shared::Material;
 use thiserror::Error;
@@ -12,6 +13,46 @@ pub struct Scene {
     buffers: Vec<wgpu::Buffer>,
     environment: wgpu::TextureView,
     environment_cells: wgpu::TextureView,
+    pages: Option<Pages>,
+}
+
+/// Texels in textures, where one binding of a buffer does not hold them. All eight storage buffers
+/// that WebGPU grants a stage are in use, so that there can be no second buffer of them.
+struct Pages {
+    views: Vec<wgpu::TextureView>,
+    shape: PageShape,
+}
+
+/// Layers of a square of words, and how many of them are in a page; each as its logarithm.
+#[derive(Clone, Copy)]
+struct PageShape {
+    side_bits: u32,
+    layer_bits: u32,
+}
+
+/// The name of the texels among the packed arrays.
+const TEXELS: &str = "texels";
+
+impl PageShape {
+    /// As many pages as the kernels have bindings for.
+    const MOST_PAGES: u64 = 4;
+
+    /// 4096 x 4096 words in 16 layers: 1 GiB, which drivers allocate in one piece; WebGPU's own
+    /// limits allow for it.
+    fn of(limits: &wgpu::Limits) -> Self {
+        Self {
+            side_bits: limits.max_texture_dimension_2d.ilog2().min(12),
+            layer_bits: limits.max_texture_array_layers.ilog2().min(4),
+        }
+    }
+
+    fn layer_bytes(self) -> u64 {
+        4 << (2 * self.side_bits)
+    }
+
+    fn page_bytes(self) -> u64 {
+        self.layer_bytes() << self.layer_bits
+    }
 }
 
 #[derive(Debug, Error)]
@@ -37,6 +78,79 @@ pub enum UploadError {
 /// A binding may not be empty; this covers one element of the largest structure.
 const SMALLEST_BUFFER: u64 = size_of::<Material>() as u64;
 
+impl Pages {
+    fn upload(gpu: &Gpu, texels: &[u32], shape: PageShape) -> Self {
+        let side = 1 << shape.side_bits;
+        let views = texels
+            .chunks((shape.page_bytes() / 4) as usize)
+            .map(|page| {
+                let layers = page.chunks((shape.layer_bytes() / 4) as usize);
+                let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some(TEXELS),
+                    size: wgpu::Extent3d {
+                        width: side as u32,
+                        // A layer alone has no more rows than there are words for.
+                        height: page.len().div_ceil(side).min(side) as u32,
+                        depth_or_array_layers: layers.len() as u32,
+                    },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format: wgpu::TextureFormat::R32Uint,
+                    usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                    view_formats: &[],
+                });
+                for (layer, words) in (0..).zip(layers) {
+                    let (rows, rest) = words.split_at(words.len() / side * side);
+                    write_words(gpu, &texture, [0, layer], rows, side);
+                    write_words(gpu, &texture, [rows.len() / side, layer], rest, rest.len());
+                    // What is staged for a layer is let go before the next one's is.
+                    gpu.queue.submit([]);
+                }
+                texture.create_view(&wgpu::TextureViewDescriptor {
+                    dimension: Some(wgpu::TextureViewDimension::D2Array),
+                    ..Default::default()
+                })
+            })
+            .collect();
+        Self { views, shape }
+    }
+}
+
+/// Rows of `width` words from row `y` of a layer on.
+fn write_words(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    [y, layer]: [usize; 2],
+    words: &[u32],
+    width: usize,
+) {
+    if words.is_empty() {
+        return;
+    }
+    gpu.queue.write_texture(
+        wgpu::TexelCopyTextureInfo {
+            origin: wgpu::Origin3d {
+                x: 0,
+                y: y as u32,
+                z: layer as u32,
+            },
+            ..texture.as_image_copy()
+        },
+        bytemuck::cast_slice(words),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * width as u32),
+            rows_per_image: None,
+        },
+        wgpu::Extent3d {
+            width: width as u32,
+            height: (words.len() / width) as u32,
+            depth_or_array_layers: 1,
+        },
+    );
+}
+
 impl Scene {
     /// Checks every size against the device's limits before anything is allocated.
     pub fn upload(gpu: &Gpu, packed: &Packed) -> Result<Self, UploadError> {
@@ -45,8 +159,14 @@ impl Scene {
             .limits
             .max_storage_buffer_binding_size
             .min(gpu.limits.max_buffer_size);
+        let shape = PageShape::of(&gpu.limits);
+        let paged = packed.texels.len() as u64 * 4 > limit;
         for (what, bytes) in arrays {
             let bytes = bytes.len() as u64;
+            let limit = match what {
+                TEXELS => limit.max(PageShape::MOST_PAGES * shape.page_bytes()),
+                _ => limit,
+            };
             if bytes > limit {
                 return Err(UploadError::TooLarge { what, bytes, limit });
             }
@@ -74,6 +194,7 @@ impl Scene {
             wgpu::BufferUsages::UNIFORM,
         )];
         for (what, bytes) in arrays {
+            let bytes = if paged && what == TEXELS { &[] } else { bytes };
             buffers.push(buffer(gpu, what, bytes, wgpu::BufferUsages::STORAGE));
         }
         let [cells_x, cells_y] = packed.frame.environment_cells;
@@ -94,6 +215,7 @@ impl Scene {
                 wgpu::TextureFormat::Rg32Float,
                 bytemuck::cast_slice(&packed.environment_cells),
             ),
+            pages: paged.then(|| Pages::upload(gpu, &packed.texels, shape)),
         };
         match gpu.take_fault() {
             None => Ok(scene),
@@ -102,12 +224,28 @@ impl Scene {
         }
     }
 
+    /// What the kernels have to know of where their arrays are: values of `shaders/variant.wgsl`, none
+    /// where all is as it stands there.
+    pub fn constants(&self) -> Vec<(&'static str, Value)> {
+        self.pages.as_ref().map_or(Vec::new(), |pages| {
+            vec![
+                ("TEXEL_PAGES", Value::Uint(pages.views.len() as u32)),
+                ("TEXEL_SIDE_BITS", Value::Uint(pages.shape.side_bits)),
+                ("TEXEL_LAYER_BITS", Value::Uint(pages.shape.layer_bits)),
+            ]
+        })
+    }
+
     /// What is bound at `binding` of group 0.
     pub fn resource(&self, binding: u32) -> wgpu::BindingResource<'_> {
         match binding {
             0 => self.frame.as_entire_binding(),
             9 => wgpu::BindingResource::TextureView(&self.environment),
             10 => wgpu::BindingResource::TextureView(&self.environment_cells),
+            page @ 11..15 => {
+                let pages = self.pages.as_ref().expect("kernels were told of pages");
+                wgpu::BindingResource::TextureView(&pages.views[page as usize - 11])
+            }
             other => self.buffers[other as usize - 1].as_entire_binding(),
         }
     }

@@ -63,13 +63,14 @@ pub fn run_on(
     let linked = link_text("test", root).unwrap_or_else(|error| panic!("{error}"));
     // As the renderer has it: a driver takes many seconds for what no scene needs all of.
     // A scene of tables alone has nothing that lobes could be left out for.
-    let constants = packed
+    let mut constants = packed
         .filter(|packed| !packed.triangles.is_empty())
         .map(snell::gpu::variant::constants)
         .unwrap_or_default();
+    let scene = packed.map(|packed| Scene::upload(gpu, packed).unwrap());
+    constants.extend(scene.iter().flat_map(Scene::constants));
     let kernel = Kernel::with_constants(gpu, &linked, "main", &constants)
         .unwrap_or_else(|error| panic!("{error}"));
-    let scene = packed.map(|packed| Scene::upload(gpu, packed).unwrap());
     let storage = |bytes: &[u8], size: usize| {
         let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
