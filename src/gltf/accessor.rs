@@ -6,6 +6,7 @@ use super::error::GltfError;
 use super::json::Json;
 use super::source::Budget;
 use gltf::json::accessor::{BYTE, FLOAT, SHORT, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT};
+use std::collections::HashMap;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Component {
@@ -45,7 +46,13 @@ impl Component {
 pub struct Accessors<'b> {
     pub buffers: &'b Buffers,
     pub budget: &'b Budget,
+    /// Of one primitive, where it is compressed.
+    pub overrides: Option<&'b Overrides>,
 }
+
+/// The elements of accessors, by number, that did not come out of a buffer view: little-endian and
+/// without gaps.
+pub type Overrides = HashMap<usize, Vec<u8>>;
 
 /// Which accessors an attribute may have, and how they become floats.
 pub struct Attribute {
@@ -82,10 +89,10 @@ impl Accessors<'_> {
         key: &str,
         attribute: &Attribute,
     ) -> Result<Option<Vec<[f32; N]>>, GltfError> {
-        let Some((_, accessor)) = user.reference(key, "accessors")? else {
+        let Some((number, accessor)) = user.reference(key, "accessors")? else {
             return Ok(None);
         };
-        let packed = self.packed(&accessor, attribute.types)?;
+        let packed = self.packed(number, &accessor, attribute.types)?;
         let normalized = packed.normalized || attribute.normalized;
         let element = packed.components * packed.component.size();
         let count = packed.bytes.len() / element;
@@ -108,10 +115,10 @@ impl Accessors<'_> {
         key: &str,
         types: &[&str],
     ) -> Result<Option<Vec<[u32; N]>>, GltfError> {
-        let Some((_, accessor)) = user.reference(key, "accessors")? else {
+        let Some((number, accessor)) = user.reference(key, "accessors")? else {
             return Ok(None);
         };
-        let packed = self.packed(&accessor, types)?;
+        let packed = self.packed(number, &accessor, types)?;
         let size = packed.component.size();
         if matches!(
             packed.component,
@@ -135,25 +142,30 @@ impl Accessors<'_> {
         self.budget.take(bytes, json.file(), &json.at)
     }
 
-    fn packed(&self, accessor: &Json<'_>, types: &[&str]) -> Result<Packed, GltfError> {
+    fn packed(
+        &self,
+        number: usize,
+        accessor: &Json<'_>,
+        types: &[&str],
+    ) -> Result<Packed, GltfError> {
         let component = Component::of(accessor)?;
         let kind = accessor.required("type")?;
         let name = kind.as_string()?;
         if !types.contains(&name) {
             return Err(kind.invalid(format!("it is {name} where {} belongs", types.join(" or "))));
         }
-        let components = match name {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            // Columns of 4-byte components need no padding; no other matrix is read.
-            _ => 16,
-        };
+        let components = components(name);
         let element = components * component.size();
-        let count = accessor.required("count")?.as_uint()?;
+        let replaced = self.overrides.and_then(|overrides| overrides.get(&number));
+        let count = match replaced {
+            Some(bytes) => (bytes.len() / element) as u64,
+            None => accessor.required("count")?.as_uint()?,
+        };
         let size = count.saturating_mul(element as u64);
-        let view = self.buffers.view(accessor, "bufferView")?;
+        let view = match replaced {
+            Some(_) => None,
+            None => self.buffers.view(accessor, "bufferView")?,
+        };
         // What a view can hold is known before anything is allocated.
         let offset = accessor.uint("byteOffset")?.unwrap_or(0);
         let range = view
@@ -169,7 +181,7 @@ impl Accessors<'_> {
                     .copied()
                     .collect()
             }
-            None => vec![0; size as usize],
+            None => replaced.map_or_else(|| vec![0; size as usize], Vec::clone),
         };
         if let Some(sparse) = accessor.object("sparse")? {
             self.overlay(&sparse, &mut bytes, count, element)?;
@@ -224,6 +236,51 @@ impl Accessors<'_> {
         }
         Ok(())
     }
+}
+
+fn components(kind: &str) -> usize {
+    match kind {
+        "SCALAR" => 1,
+        "VEC2" => 2,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        // Columns of 4-byte components need no padding; no other matrix is read.
+        _ => 16,
+    }
+}
+
+/// Numbers as the elements of an accessor, whose own count does not matter. All must be values that
+/// its component type has.
+pub fn store(accessor: &Json<'_>, width: usize, values: &[f64]) -> Result<Vec<u8>, GltfError> {
+    let component = Component::of(accessor)?;
+    let kind = accessor.required("type")?;
+    if components(kind.as_string()?) != width {
+        return Err(kind.invalid(format!(
+            "it is {} and decoded were elements of {width} components",
+            kind.as_string()?
+        )));
+    }
+    let mut bytes = Vec::with_capacity(values.len() * component.size());
+    for &value in values {
+        let exact = match component {
+            Component::F32 => {
+                bytes.extend((value as f32).to_le_bytes());
+                continue;
+            }
+            Component::I8 => f64::from(i8::MIN)..=f64::from(i8::MAX),
+            Component::U8 => 0.0..=f64::from(u8::MAX),
+            Component::I16 => f64::from(i16::MIN)..=f64::from(i16::MAX),
+            Component::U16 => 0.0..=f64::from(u16::MAX),
+            Component::U32 => 0.0..=f64::from(u32::MAX),
+        };
+        if !exact.contains(&value) || value.fract() != 0.0 {
+            return Err(accessor.invalid(format!(
+                "its component type cannot hold {value}, which was decoded"
+            )));
+        }
+        bytes.extend(&(value as i64).to_le_bytes()[..component.size()]);
+    }
+    Ok(bytes)
 }
 
 /// The bytes from the first element to the last, and the stride.

@@ -116,6 +116,7 @@ impl Asset {
         let accessors = Accessors {
             buffers: &self.buffers,
             budget: &self.source.budget,
+            overrides: None,
         };
         let known = std::mem::take(&mut self.meshes);
         self.meshes = place::place_meshes(

@@ -89,6 +89,7 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
         ("KHR_materials_pbrSpecularGlossiness", Supported, "", true),
         ("KHR_texture_transform", Supported, "", true),
         ("KHR_mesh_quantization", Supported, "", true),
+        ("KHR_draco_mesh_compression", Supported, "", true),
         ("SNELL_materials_bsdf", Supported, "", true),
         ("EXT_texture_webp", Supported, "", true),
         (
@@ -105,12 +106,6 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
         ),
         (
             "KHR_meshopt_compression",
-            Ignored,
-            "the uncompressed fallback is drawn",
-            false,
-        ),
-        (
-            "KHR_draco_mesh_compression",
             Ignored,
             "the uncompressed fallback is drawn",
             false,

@@ -69,6 +69,14 @@ impl<'a> Json<'a> {
         Some(self.with(self.value.get(key)?, key))
     }
 
+    /// The names of an object's properties.
+    pub fn keys(&self) -> impl Iterator<Item = &'a str> {
+        let object = self.value.as_object();
+        object
+            .into_iter()
+            .flat_map(|object| object.keys().map(String::as_str))
+    }
+
     /// The path of a property, whether it is there or not.
     pub fn place(&self, key: &str) -> String {
         if self.at.is_empty() {

@@ -2,6 +2,7 @@
 
 use super::accessor::{Accessors, Attribute};
 use super::deform::{self, Pose};
+use super::draco;
 use super::error::GltfError;
 use super::json::Json;
 use super::material::MAX_TEXCOORDS;
@@ -110,9 +111,13 @@ impl Meshes<'_, '_> {
                 .add("a primitive without POSITION is not drawn", &json.at);
             return Ok(None);
         }
-        self.refuse_draco(json, &attributes)?;
-        let mut vertices = self.vertices(&attributes)?;
-        let triangles = self.triangles(json, mode, vertices.positions.len())?;
+        let overrides = draco::read(json, &attributes, self.accessors, self.notes)?;
+        let accessors = Accessors {
+            overrides: Some(&overrides),
+            ..self.accessors
+        };
+        let mut vertices = self.vertices(&attributes, accessors)?;
+        let triangles = self.triangles(json, mode, vertices.positions.len(), accessors)?;
         if triangles.is_empty() {
             return Ok(None);
         }
@@ -120,8 +125,8 @@ impl Meshes<'_, '_> {
             Some((index, _)) => index,
             None => self.default_material,
         };
-        deform::morph(&mut vertices, json, pose, self.accessors, self.notes)?;
-        deform::skin(&mut vertices, &attributes, pose, self.accessors, self.notes)?;
+        deform::morph(&mut vertices, json, pose, accessors, self.notes)?;
+        deform::skin(&mut vertices, &attributes, pose, accessors, self.notes)?;
         check_positions(&vertices, &attributes)?;
         Ok(Some(self.finish(vertices, triangles, material, json)?))
     }
@@ -180,23 +185,11 @@ impl Meshes<'_, '_> {
         })
     }
 
-    /// A compressed primitive may leave its accessors empty; drawing nothing would be a lie.
-    fn refuse_draco(&self, json: &Json<'_>, attributes: &Json<'_>) -> Result<(), GltfError> {
-        const DRACO: &str = "KHR_draco_mesh_compression";
-        if json.extension(DRACO)?.is_none() {
-            return Ok(());
-        }
-        match attributes.reference("POSITION", "accessors")? {
-            Some((_, accessor))
-                if accessor.get("bufferView").is_none() && accessor.get("sparse").is_none() =>
-            {
-                Err(json.unsupported_extension(DRACO))
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn vertices(&mut self, attributes: &Json<'_>) -> Result<Vertices, GltfError> {
+    fn vertices(
+        &mut self,
+        attributes: &Json<'_>,
+        accessors: Accessors<'_>,
+    ) -> Result<Vertices, GltfError> {
         const VEC2: Attribute = Attribute::of(&["VEC2"]);
         const VEC3: Attribute = Attribute::of(&["VEC3"]);
         const VEC4: Attribute = Attribute::of(&["VEC4"]);
@@ -205,7 +198,6 @@ impl Meshes<'_, '_> {
             fill: 1.0,
             normalized: true,
         };
-        let accessors = self.accessors;
         let positions = accessors.floats::<3>(attributes, "POSITION", &VEC3)?;
         let normals = accessors.floats::<3>(attributes, "NORMAL", &VEC3)?;
         let tangents = accessors.floats::<4>(attributes, "TANGENT", &VEC4)?;
@@ -261,8 +253,9 @@ impl Meshes<'_, '_> {
         json: &Json<'_>,
         mode: u32,
         vertex_count: usize,
+        accessors: Accessors<'_>,
     ) -> Result<Vec<[u32; 3]>, GltfError> {
-        let indices = self.accessors.integers::<1>(json, "indices", &["SCALAR"])?;
+        let indices = accessors.integers::<1>(json, "indices", &["SCALAR"])?;
         let count = indices.as_ref().map_or(vertex_count, Vec::len);
         let budget = self.accessors.budget;
         budget.take(12 * count as u64, json.file(), &json.at)?;

@@ -11,6 +11,7 @@ mod asset;
 mod buffer;
 mod camera;
 mod deform;
+mod draco;
 mod environment;
 mod error;
 #[cfg(feature = "basisu")]
