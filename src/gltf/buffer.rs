@@ -2,11 +2,16 @@
 
 use super::error::GltfError;
 use super::json::Json;
+use super::meshopt;
 use super::source::Source;
+use rayon::prelude::*;
 
-/// The bytes of every buffer; `None` for one that has neither a URI nor the GLB's binary chunk.
+/// The bytes of every buffer; `None` for one that has neither a URI nor the GLB's binary chunk, or
+/// that nothing is read from.
 pub struct Buffers {
     bytes: Vec<Option<Vec<u8>>>,
+    /// Of every buffer view, where it is compressed.
+    decoded: Vec<Option<Vec<u8>>>,
 }
 
 /// A range of a buffer, and the distance from one element to the next where it is given.
@@ -26,6 +31,8 @@ impl Buffers {
         for (index, buffer) in root.objects("buffers")?.iter().enumerate() {
             let length = buffer.required("byteLength")?.as_uint()?;
             let mut data = match buffer.get("uri") {
+                // All that it holds is decoded instead, and it need not be there.
+                Some(_) if cfg!(feature = "meshopt") && meshopt::is_fallback(buffer)? => None,
                 Some(uri) => Some(source.resolve(&uri)?),
                 None if index == 0 => bin.take(),
                 None => None,
@@ -43,7 +50,41 @@ impl Buffers {
             }
             bytes.push(data);
         }
-        Ok(Self { bytes })
+        let mut buffers = Self {
+            bytes,
+            decoded: Vec::new(),
+        };
+        let views = root.objects("bufferViews")?;
+        let decoded: Vec<_> = views
+            .par_iter()
+            .map(|view| buffers.decode(view, source))
+            .collect();
+        // The first error in the order of the file, whichever thread was faster.
+        buffers.decoded = decoded.into_iter().collect::<Result<_, _>>()?;
+        Ok(buffers)
+    }
+
+    #[cfg(feature = "meshopt")]
+    fn decode(&self, view: &Json<'_>, source: &Source) -> Result<Option<Vec<u8>>, GltfError> {
+        let Some((_, extension)) = meshopt::extension(view)? else {
+            return Ok(None);
+        };
+        let take = |bytes| source.budget.take(bytes, extension.file(), &extension.at);
+        let compressed = self.range(&extension)?;
+        meshopt::decode(view, &extension, compressed, take).map(Some)
+    }
+
+    /// Without the decoder, a view holds its fallback.
+    #[cfg(not(feature = "meshopt"))]
+    fn decode(&self, view: &Json<'_>, _: &Source) -> Result<Option<Vec<u8>>, GltfError> {
+        let Some((name, _)) = meshopt::extension(view)? else {
+            return Ok(None);
+        };
+        let (index, _) = view.required("buffer")?.follow("buffers")?;
+        match self.bytes.get(index) {
+            Some(Some(_)) => Ok(None),
+            _ => Err(view.missing_feature(name, meshopt::FEATURE)),
+        }
     }
 
     /// All bytes that were read, for the record.
@@ -57,29 +98,12 @@ impl Buffers {
 
     /// The view that the property `key` of `user` refers to.
     pub fn view(&self, user: &Json<'_>, key: &str) -> Result<Option<View<'_>>, GltfError> {
-        let Some((_, view)) = user.reference(key, "bufferViews")? else {
+        let Some((number, view)) = user.reference(key, "bufferViews")? else {
             return Ok(None);
         };
-        let (index, buffer) = view.required("buffer")?.follow("buffers")?;
-        let offset = view.uint("byteOffset")?.unwrap_or(0);
-        let length = view.required("byteLength")?.as_uint()?;
-        let Some(data) = self.bytes.get(index).and_then(Option::as_deref) else {
-            for name in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
-                if view.extension(name)?.is_some() {
-                    return Err(view.unsupported_extension(name));
-                }
-            }
-            return Err(buffer.invalid("it has no uri and the file has no binary chunk for it"));
-        };
-        let end = offset
-            .checked_add(length)
-            .filter(|&end| end <= data.len() as u64);
-        let Some(end) = end else {
-            return Err(view.invalid(format!(
-                "{length} bytes from byte {offset} do not fit into {} of {} bytes",
-                buffer.at,
-                data.len()
-            )));
+        let bytes = match self.decoded.get(number) {
+            Some(Some(decoded)) => decoded,
+            _ => self.range(&view)?,
         };
         let stride = match view.uint("byteStride")? {
             None | Some(0) => None,
@@ -89,9 +113,27 @@ impl Buffers {
                 return Err(view.invalid(format!("byteStride is {stride}, more than 252")));
             }
         };
-        Ok(Some(View {
-            bytes: &data[offset as usize..end as usize],
-            stride,
-        }))
+        Ok(Some(View { bytes, stride }))
+    }
+
+    /// The bytes that `buffer`, `byteOffset` and `byteLength` of an object name.
+    fn range(&self, object: &Json<'_>) -> Result<&[u8], GltfError> {
+        let (index, buffer) = object.required("buffer")?.follow("buffers")?;
+        let offset = object.uint("byteOffset")?.unwrap_or(0);
+        let length = object.required("byteLength")?.as_uint()?;
+        let Some(data) = self.bytes.get(index).and_then(Option::as_deref) else {
+            return Err(buffer.invalid("it has no uri and the file has no binary chunk for it"));
+        };
+        let end = offset
+            .checked_add(length)
+            .filter(|&end| end <= data.len() as u64);
+        match end {
+            Some(end) => Ok(&data[offset as usize..end as usize]),
+            None => Err(object.invalid(format!(
+                "{length} bytes from byte {offset} do not fit into {} of {} bytes",
+                buffer.at,
+                data.len()
+            ))),
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::error::GltfError;
 use super::json::Json;
+use super::meshopt;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -98,18 +99,8 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
             "the default materials are drawn",
             true,
         ),
-        (
-            "EXT_meshopt_compression",
-            Ignored,
-            "the uncompressed fallback is drawn",
-            false,
-        ),
-        (
-            "KHR_meshopt_compression",
-            Ignored,
-            "the uncompressed fallback is drawn",
-            false,
-        ),
+        ("EXT_meshopt_compression", MESHOPT.0, MESHOPT.1, MESHOPT.2),
+        ("KHR_meshopt_compression", MESHOPT.0, MESHOPT.1, MESHOPT.2),
         #[cfg(feature = "basisu")]
         ("KHR_texture_basisu", Supported, "", true),
         #[cfg(not(feature = "basisu"))]
@@ -153,8 +144,22 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
     ]
 };
 
+/// By whether this build decodes it.
+const MESHOPT: (Treatment, &str, bool) = match cfg!(feature = "meshopt") {
+    true => (Treatment::Supported, "", true),
+    false => (
+        Treatment::Ignored,
+        "this build lacks the cargo feature `meshopt`: the uncompressed fallback is drawn",
+        false,
+    ),
+};
+
 /// The cargo feature that brings an extension.
-const FEATURES: &[(&str, &str)] = &[("KHR_texture_basisu", "basisu")];
+const FEATURES: &[(&str, &str)] = &[
+    ("KHR_texture_basisu", "basisu"),
+    ("EXT_meshopt_compression", meshopt::FEATURE),
+    ("KHR_meshopt_compression", meshopt::FEATURE),
+];
 
 /// Lists the extensions of a file; an error where it requires one that is not supported.
 pub fn inventory(root: &Json<'_>) -> Result<Vec<ExtensionUse>, GltfError> {

@@ -25,6 +25,7 @@ mod ktx2;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod node;
 mod normal;
 mod notes;

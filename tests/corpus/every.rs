@@ -1,23 +1,12 @@
-//! Every file: it renders, or is refused for the extension that it requires.
+//! Every file renders.
 
 use crate::common::gpu;
 use crate::picture::*;
 use snell::pack::{Background, View, pack};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Small, for there are more than a hundred and fifty; each shows its scene in hundreds of pixels.
 const SIZE: [u32; 2] = [48, 36];
-
-/// Files that require an extension which is not supported.
-const REFUSED: [&str; 6] = [
-    "compressed/DenseSphere.glb",
-    "compressed/EXT_meshopt_compression/meshopt-no-fallback/meshopt-no-fallback.gltf",
-    "compressed/KHR_meshopt_compression/meshopt-no-fallback/meshopt-no-fallback.gltf",
-    "compressed/pirate.glb",
-    "core/CesiumMilkTruck-glTF-Draco/CesiumMilkTruck.gltf",
-    "materials/heart_draco.glb",
-];
 
 /// Files of which nothing is drawn: points and lines only, or an alpha cutoff above 1.
 const EMPTY: [&str; 5] = [
@@ -50,16 +39,13 @@ fn models(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_file_that_is_supported_renders() {
+fn every_file_renders() {
     let Some(corpus) = corpus() else { return };
     let mut gpu = gpu();
     let mut faults = Vec::new();
     let mut rendered = 0;
     for path in models(&corpus) {
         let name = path.strip_prefix(&corpus).unwrap().to_str().unwrap();
-        if REFUSED.contains(&name) {
-            continue;
-        }
         let scene = load_scene(&path);
         let view = View {
             background: Background::Transparent,
@@ -82,24 +68,4 @@ fn every_file_that_is_supported_renders() {
     println!("{rendered} files rendered");
     assert!(rendered > 150, "only {rendered} files");
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-}
-
-#[test]
-fn a_file_that_requires_what_is_not_supported_is_refused() {
-    let Some(corpus) = corpus() else { return };
-    for name in REFUSED {
-        let folder = tempfile::tempdir().unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_snell"))
-            .arg("render")
-            .arg(corpus.join(name))
-            .args(["-o", "out.png", "--size", "8x8", "--spp", "1"])
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(4), "{name}: {said}");
-        assert!(said.contains("extensionsRequired"), "{name}: {said}");
-        let left = std::fs::read_dir(folder.path()).unwrap().count();
-        assert_eq!(left, 0, "{name} left a file");
-    }
 }

@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
 
 mod asset;
+mod compressed;
 mod corpus;
+mod draco;
 mod environment;
 #[cfg(feature = "basisu")]
 mod etc1s_file;

@@ -4,7 +4,10 @@
 
 #[path = "../gltf/asset.rs"]
 mod asset;
+mod compressed;
 mod content;
+#[path = "../gltf/draco/mod.rs"]
+mod draco;
 #[cfg(feature = "basisu")]
 #[path = "../gltf/etc1s_file.rs"]
 mod etc1s_file;

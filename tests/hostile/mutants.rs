@@ -37,7 +37,7 @@ fn rich() -> Asset {
 }
 
 /// A step of the generator of Marsaglia (2003), "Xorshift RNGs".
-fn next(state: &mut u64) -> usize {
+pub fn next(state: &mut u64) -> usize {
     *state ^= *state << 13;
     *state ^= *state >> 7;
     *state ^= *state << 17;
