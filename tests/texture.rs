@@ -408,7 +408,7 @@ fn texels_beyond_128_mib_are_read() {
     let gpu = common::gpu();
     let count = 160 << 18;
     let bytes = 4 * u64::from(count);
-    assert!(bytes > gpu.limits.max_storage_buffer_binding_size.into());
+    assert!(bytes > gpu.limits.max_storage_buffer_binding_size);
     let mut packed = empty_packed();
     packed.texels = (0..count)
         .map(|i: u32| i.wrapping_mul(0x9E37_79B9))

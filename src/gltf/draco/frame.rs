@@ -72,7 +72,7 @@ pub fn open(bytes: &[u8], triangles: usize) -> Result<(Walk<'_>, usize), String>
 
 /// Reads on to the end.
 pub fn survey(mut walk: Walk<'_>, points: usize) -> Result<Frame, String> {
-    let connectivity = decode_connectivity(&mut walk.reader, walk.method.clone()).map_err(text)?;
+    let connectivity = decode_connectivity(&mut walk.reader, walk.method).map_err(text)?;
     let decoders = walk.headers(&connectivity, points)?;
     for headers in &decoders {
         for header in headers {
@@ -122,7 +122,7 @@ impl<'a> Walk<'a> {
         Walk {
             bytes,
             reader: Reader::new(bytes),
-            method: self.method.clone(),
+            method: self.method,
         }
     }
 
