@@ -1,18 +1,24 @@
 //! A file that is open: read once, and made into scenes for as many moments as are asked for.
 
 use super::accessor::Accessors;
+use super::animation::Animation;
 use super::buffer::Buffers;
 use super::error::GltfError;
 use super::image::Images;
 use super::json::{Document, Json};
-use super::place::{self, KnownMeshes};
+use super::notes::Notes;
+use super::place::{KnownMeshes, Placer};
+use super::pointer::{self, Undo};
+use super::shutter::{self, Tracks};
 use super::source::{self, Source};
 use super::{
-    AnimationInfo, Counts, LoadOptions, Loaded, Moment, camera, environment, extension, light,
-    material, node, notes,
+    AnimationChoice, AnimationInfo, Counts, LoadOptions, Loaded, Metadata, Moment, animation,
+    camera, environment, extension, light, material, node, variant, xmp,
 };
-use crate::scene::{Environment, Material, Scene};
+use crate::scene::{Environment, Material, PunctualLight, Scene};
+use glam::DAffine3;
 use std::collections::HashSet;
+use std::ops::Range;
 use std::path::Path;
 
 /// A file with everything of it that does not change from one moment to the next: buffers, decoded
@@ -25,8 +31,13 @@ pub struct Asset {
     meshes: KnownMeshes,
     /// The one that the options name.
     environment: Option<Environment>,
-    /// Of KHR_materials_variants, by its number.
+    animations: Vec<Animation>,
+    /// What takes the last moment back out of the document.
+    undo: Vec<Undo>,
+    variants: Vec<String>,
+    /// Of `variants`.
     variant: Option<usize>,
+    metadata: Vec<Metadata>,
     /// What of the memory ceiling is taken by all this but the meshes, in bytes.
     taken: u64,
 }
@@ -45,6 +56,14 @@ impl Asset {
             Some(environment) => Some(environment.load(path, &source.budget)?),
             None => None,
         };
+        let accessors = Accessors {
+            buffers: &buffers,
+            budget: &source.budget,
+            overrides: None,
+        };
+        let animations = animation::animations(&root, accessors)?;
+        let variants = variant::variants(&root)?;
+        let metadata = xmp::metadata(&root)?;
         Ok(Self {
             taken: source.budget.used(),
             document,
@@ -53,32 +72,65 @@ impl Asset {
             images: Images::default(),
             meshes: KnownMeshes::default(),
             environment,
+            animations,
+            undo: Vec::new(),
+            variants,
             variant: None,
+            metadata,
         })
     }
 
     /// The file's animations, in its order.
     pub fn animations(&self) -> Vec<AnimationInfo> {
-        Vec::new()
+        let animations = self.animations.iter();
+        animations.map(|animation| animation.info.clone()).collect()
     }
 
     /// The names of the file's material variants (KHR_materials_variants), in its order.
     pub fn variants(&self) -> Vec<String> {
-        Vec::new()
+        self.variants.clone()
     }
 
-    /// Which of the variants further scenes show; `None` shows the default materials.
+    /// Which of the variants further scenes show, by its place in `variants`; `None` shows the default
+    /// materials, as do primitives that no mapping ties to the variant.
     pub fn choose_variant(&mut self, variant: Option<usize>) {
         self.variant = variant;
     }
 
     /// The scene at a moment. What has not changed since the last one is the same `Arc`.
-    pub fn scene(&mut self, _moment: &Moment) -> Result<Loaded, GltfError> {
+    pub fn scene(&mut self, moment: &Moment) -> Result<Loaded, GltfError> {
+        pointer::undo(&mut self.document.root, &mut self.undo);
         self.source.budget.rewind(self.taken);
+        let mut notes = Notes::default();
+        let mut extensions = extension::inventory(&Json::root(&self.document))?;
+        let mut tracks = Tracks::default();
+        let mut lights = None;
+        match moment {
+            Moment::Rest => {
+                if !self.animations.is_empty() {
+                    notes.add("the rest pose is drawn: no animation is played", "");
+                }
+            }
+            &Moment::At {
+                animation,
+                seconds,
+                shutter,
+            } => {
+                let chosen = self.chosen(animation)?;
+                if shutter > 0.0 {
+                    tracks = self.tracks(chosen.clone(), seconds, shutter)?;
+                    self.pose(chosen.clone(), seconds + 0.5 * shutter);
+                    lights = Some(self.lights_of_a_shutter(&tracks, &mut notes)?);
+                }
+                for animation in &self.animations[chosen.clone()] {
+                    animation.say_what_is_left_out(&mut notes);
+                }
+                self.pose(chosen, seconds);
+            }
+        }
         let root = Json::root(&self.document);
-        let mut notes = notes::Notes::default();
-        let mut extensions = extension::inventory(&root)?;
         let nodes = node::Nodes::read(&root, &mut notes)?;
+        let of_this_moment = self.source.budget.used() - self.taken;
 
         let mut scene = Scene::default();
         let mut materials = material::Materials {
@@ -88,7 +140,7 @@ impl Asset {
             extensions: &mut extensions,
             notes: &mut notes,
         };
-        let used = used_materials(&root, &nodes)?;
+        let used = used_materials(&root, &nodes, self.variant)?;
         for (index, json) in root.objects("materials")?.iter().enumerate() {
             // One that nothing shown uses keeps its number and reads no images.
             scene.materials.push(match used.contains(&Some(index)) {
@@ -104,32 +156,30 @@ impl Asset {
             scene.materials.push(material::default_material());
         }
         scene.images = self.images.decode(&root, &self.buffers, &self.source)?;
-        self.taken = self.source.budget.used();
+        self.taken = self.source.budget.used() - of_this_moment;
 
-        let lights = light::lights(&root)?;
         for &node in &nodes.shown {
             scene.cameras.extend(camera::camera(&nodes, node)?);
-            scene
-                .lights
-                .extend(light::light(&nodes, node, &lights, &mut notes)?);
         }
+        scene.lights = match lights {
+            Some(lights) => lights,
+            None => punctual_lights(&root, &nodes, &mut notes)?,
+        };
         let accessors = Accessors {
             buffers: &self.buffers,
             budget: &self.source.budget,
             overrides: None,
         };
         let known = std::mem::take(&mut self.meshes);
-        self.meshes = place::place_meshes(
-            &mut scene,
-            &nodes,
+        let mut placer = Placer {
+            nodes: &nodes,
             accessors,
             default_material,
-            known,
-            &mut notes,
-        )?;
-        if !root.elements("animations")?.is_empty() {
-            notes.add("animations are not played: the rest pose is drawn", "");
-        }
+            variant: self.variant,
+            tracks: &tracks,
+            notes: &mut notes,
+        };
+        self.meshes = placer.place(&mut scene, known)?;
 
         let lit = !scene.lights.is_empty() || gives_light(&scene);
         let default_light = !lit && self.environment.is_none();
@@ -146,19 +196,104 @@ impl Asset {
             extensions,
             notes: notes.into_lines(),
             counts,
-            metadata: Vec::new(),
+            metadata: self.metadata.clone(),
             default_light,
         })
     }
+
+    /// The animations that are meant, as a range of the file's.
+    fn chosen(&self, animation: AnimationChoice) -> Result<Range<usize>, GltfError> {
+        let count = self.animations.len();
+        match animation {
+            AnimationChoice::All => Ok(0..count),
+            AnimationChoice::Index(index) if index < count => Ok(index..index + 1),
+            AnimationChoice::Index(index) => Err(Json::root(&self.document).invalid(format!(
+                "animation {index} is out of range: there are {count} animations"
+            ))),
+        }
+    }
+
+    /// Puts a time of some animations into the document, in place of the one before.
+    fn pose(&mut self, chosen: Range<usize>, seconds: f64) {
+        let root = &mut self.document.root;
+        pointer::undo(root, &mut self.undo);
+        animation::pose(root, &self.animations[chosen], seconds, &mut self.undo);
+    }
+
+    /// What moves while the shutter is open.
+    fn tracks(
+        &mut self,
+        chosen: Range<usize>,
+        seconds: f64,
+        shutter: f64,
+    ) -> Result<Tracks, GltfError> {
+        let mut tracks = Tracks::default();
+        for step in 0..=shutter::STEPS {
+            let t = step as f64 / shutter::STEPS as f64;
+            self.pose(chosen.clone(), seconds + t * shutter);
+            let root = Json::root(&self.document);
+            // What there is to note is noted when the scene is read.
+            let nodes = node::Nodes::read(&root, &mut Notes::default())?;
+            if step == 0 {
+                let animations = self.animations[chosen.clone()].iter();
+                let driven = animations.clone().flat_map(Animation::moved_nodes);
+                let moving = nodes.below(driven);
+                let bytes = moving.len() * (shutter::STEPS + 1) * size_of::<DAffine3>();
+                self.source.budget.take(bytes as u64, root.file(), "")?;
+                tracks.worlds = moving.into_iter().map(|node| (node, Vec::new())).collect();
+                let morphed =
+                    animations.flat_map(|one| one.morphed_nodes(seconds, seconds + shutter));
+                tracks.morphed = morphed.collect();
+            }
+            for (&node, track) in &mut tracks.worlds {
+                track.push(nodes.world(node));
+            }
+        }
+        Ok(tracks)
+    }
+
+    /// The lights as the document has them now, in the middle of the shutter.
+    fn lights_of_a_shutter(
+        &self,
+        tracks: &Tracks,
+        notes: &mut Notes,
+    ) -> Result<Vec<PunctualLight>, GltfError> {
+        let root = Json::root(&self.document);
+        let nodes = node::Nodes::read(&root, &mut Notes::default())?;
+        for &node in &nodes.shown {
+            if tracks.moves(node) && nodes.json[node].extension(light::NAME)?.is_some() {
+                notes.add(
+                    "a light that moves is not blurred: it is where it is in the middle of the shutter",
+                    &nodes.json[node].at,
+                );
+            }
+        }
+        punctual_lights(&root, &nodes, notes)
+    }
+}
+
+/// The lights of all nodes that the scene shows.
+fn punctual_lights(
+    root: &Json<'_>,
+    nodes: &node::Nodes<'_>,
+    notes: &mut Notes,
+) -> Result<Vec<PunctualLight>, GltfError> {
+    let lights = light::lights(root)?;
+    let mut placed = Vec::new();
+    for &node in nodes.shown.iter().filter(|&&node| nodes.visible[node]) {
+        placed.extend(light::light(nodes, node, &lights, notes)?);
+    }
+    Ok(placed)
 }
 
 /// The materials of all meshes that the scene shows; `None` is the default one.
 fn used_materials(
     root: &Json<'_>,
     nodes: &node::Nodes<'_>,
+    variant: Option<usize>,
 ) -> Result<HashSet<Option<usize>>, GltfError> {
     let mut meshes = HashSet::new();
-    for &node in &nodes.shown {
+    for &node in nodes.shown.iter().filter(|&&node| nodes.visible[node]) {
         meshes.extend(
             nodes.json[node]
                 .reference("mesh", "meshes")?
@@ -169,7 +304,7 @@ fn used_materials(
     for (index, mesh) in root.objects("meshes")?.iter().enumerate() {
         if meshes.contains(&index) {
             for primitive in mesh.objects("primitives")? {
-                let material = primitive.reference("material", "materials")?;
+                let material = variant::material(&primitive, variant)?;
                 used.insert(material.map(|(index, _)| index));
             }
         }

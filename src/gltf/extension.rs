@@ -72,7 +72,7 @@ impl Uses {
 
 /// (name, treatment, what it means, whether a file that requires it can be drawn).
 const KNOWN: &[(&str, Treatment, &str, bool)] = {
-    use Treatment::{Approximated, Ignored, Supported};
+    use Treatment::{Ignored, Supported};
     &[
         ("KHR_lights_punctual", Supported, "", true),
         ("KHR_materials_unlit", Supported, "", true),
@@ -93,14 +93,13 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
         ("KHR_draco_mesh_compression", Supported, "", true),
         ("SNELL_materials_bsdf", Supported, "", true),
         ("EXT_texture_webp", Supported, "", true),
-        (
-            "KHR_materials_variants",
-            Approximated,
-            "the default materials are drawn",
-            true,
-        ),
         ("EXT_meshopt_compression", MESHOPT.0, MESHOPT.1, MESHOPT.2),
         ("KHR_meshopt_compression", MESHOPT.0, MESHOPT.1, MESHOPT.2),
+        ("KHR_animation_pointer", Supported, "", true),
+        ("KHR_materials_variants", Supported, "", true),
+        ("KHR_node_visibility", Supported, "", true),
+        ("KHR_xmp_json_ld", Supported, "", true),
+        ("EXT_mesh_gpu_instancing", Supported, "", true),
         #[cfg(feature = "basisu")]
         ("KHR_texture_basisu", Supported, "", true),
         #[cfg(not(feature = "basisu"))]
@@ -121,12 +120,6 @@ const KNOWN: &[(&str, Treatment, &str, bool)] = {
             "MSFT_texture_dds",
             Ignored,
             "the fallback is drawn, if there is one",
-            false,
-        ),
-        (
-            "EXT_mesh_gpu_instancing",
-            Ignored,
-            "each mesh is drawn once",
             false,
         ),
         (

@@ -158,6 +158,27 @@ impl<'a> Json<'a> {
         }
     }
 
+    /// What an object or an array holds, by name or by number.
+    pub fn children(&self) -> Vec<Json<'a>> {
+        match self.value {
+            Value::Object(object) => {
+                let values = object.iter();
+                values.map(|(key, value)| self.with(value, key)).collect()
+            }
+            Value::Array(array) => {
+                let values = array.iter().enumerate();
+                values
+                    .map(|(index, value)| Json {
+                        document: self.document,
+                        value,
+                        at: format!("{}[{index}]", self.at),
+                    })
+                    .collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     pub fn as_uint(&self) -> Result<u64, GltfError> {
         // JSON has one kind of number: 3.0 is the integer 3.
         const EXACT: f64 = 9_007_199_254_740_992.0;

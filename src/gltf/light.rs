@@ -8,7 +8,7 @@ use crate::scene::{PunctualKind, PunctualLight};
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-const NAME: &str = "KHR_lights_punctual";
+pub const NAME: &str = "KHR_lights_punctual";
 
 /// The lights that the file defines.
 pub fn lights<'a>(root: &Json<'a>) -> Result<Vec<Json<'a>>, GltfError> {

@@ -9,6 +9,7 @@ use super::material::MAX_TEXCOORDS;
 use super::normal;
 use super::notes::Notes;
 use super::tangent;
+use super::variant;
 use crate::scene::{Material, Mesh, Primitive};
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::mesh::{TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
@@ -64,6 +65,8 @@ pub struct Meshes<'s, 'b> {
     pub materials: &'s [Material],
     /// Where a primitive without a material finds one.
     pub default_material: usize,
+    /// Of KHR_materials_variants.
+    pub variant: Option<usize>,
     pub notes: &'s mut Notes,
 }
 
@@ -121,7 +124,7 @@ impl Meshes<'_, '_> {
         if triangles.is_empty() {
             return Ok(None);
         }
-        let material = match json.reference("material", "materials")? {
+        let material = match variant::material(json, self.variant)? {
             Some((index, _)) => index,
             None => self.default_material,
         };

@@ -19,6 +19,7 @@ mod etc1s;
 mod extension;
 mod framing;
 mod image;
+mod instancing;
 mod json;
 #[cfg(feature = "basisu")]
 mod ktx2;
@@ -30,10 +31,13 @@ mod node;
 mod normal;
 mod notes;
 mod place;
+mod pointer;
+mod shutter;
 mod source;
 mod tangent;
 #[cfg(feature = "basisu")]
 mod uastc;
+mod variant;
 mod xmp;
 
 pub use animation::{AnimationChoice, AnimationInfo, Moment};

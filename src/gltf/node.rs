@@ -9,7 +9,12 @@ use glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3};
 pub struct Nodes<'a> {
     pub json: Vec<Json<'a>>,
     world: Vec<DAffine3>,
-    /// Those that the scene shows, parents before children.
+    parent: Vec<Option<usize>>,
+    /// All, parents before children.
+    order: Vec<usize>,
+    /// KHR_node_visibility, ancestors' included: it hides meshes and lights, not cameras.
+    pub visible: Vec<bool>,
+    /// Those of the scene, parents before children.
     pub shown: Vec<usize>,
 }
 
@@ -50,6 +55,14 @@ impl<'a> Nodes<'a> {
             let local = local(&json[node], notes)?;
             world[node] = parent[node].map_or(local, |parent: usize| world[parent] * local);
         }
+        let mut visible = vec![true; json.len()];
+        for &node in &order {
+            let own = match json[node].extension("KHR_node_visibility")? {
+                Some(extension) => extension.boolean("visible")?.unwrap_or(true),
+                None => true,
+            };
+            visible[node] = own && parent[node].is_none_or(|parent| visible[parent]);
+        }
         let shown = match scene(root)? {
             Some(scene) => {
                 let mut tops = Vec::new();
@@ -58,9 +71,28 @@ impl<'a> Nodes<'a> {
                 }
                 descend(&tops, &children)
             }
-            None => order,
+            None => order.clone(),
         };
-        Ok(Self { json, world, shown })
+        Ok(Self {
+            json,
+            world,
+            parent,
+            order,
+            visible,
+            shown,
+        })
+    }
+
+    /// Some nodes and all below them.
+    pub fn below(&self, tops: impl IntoIterator<Item = usize>) -> Vec<usize> {
+        let mut found = vec![false; self.json.len()];
+        for top in tops {
+            found[top] = true;
+        }
+        for &node in &self.order {
+            found[node] |= self.parent[node].is_some_and(|parent| found[parent]);
+        }
+        (0..found.len()).filter(|&node| found[node]).collect()
     }
 
     pub fn world(&self, node: usize) -> DAffine3 {

@@ -27,7 +27,7 @@ fn text_and_json() {
         "1 triangles in 1 instances",
         "KHR_materials_retroreflection, ignored, not declared: light is not sent back to where it came from (materials[0].extensions)",
         "VENDOR_named, ignored, declared and not used: it is not known\n",
-        "not played",
+        "no animation is played",
     ] {
         assert!(text.contains(words), "{text}");
     }

@@ -1,7 +1,9 @@
 //! What the loader makes of each feature of glTF 2.0, on files made in code and on those of others.
 #![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
 
+mod animation;
 mod asset;
+mod choices;
 mod compressed;
 mod corpus;
 mod draco;
@@ -18,6 +20,7 @@ mod ktx2_file;
 mod materials;
 mod nodes;
 mod oracle;
+mod pointers;
 
 use glam::Vec3;
 use snell::gltf::Loaded;

@@ -2,6 +2,7 @@
 //! kind, and never a panic.
 #![allow(clippy::unwrap_used, reason = "a test's unwrap is its assertion")]
 
+mod animation;
 #[path = "../gltf/asset.rs"]
 mod asset;
 mod compressed;
