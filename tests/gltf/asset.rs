@@ -212,10 +212,21 @@ pub fn models(folder: &Path) -> Vec<PathBuf> {
 
 /// A PNG file of any colour type and depth, its rows as they go into the stream without filters.
 pub fn png(width: u32, height: u32, depth: u8, color: u8, palette: &[u8], rows: &[u8]) -> Vec<u8> {
+    png_of([width, height], [depth, color, 0], palette, &[], rows)
+}
+
+/// The same with its depth, colour type and interlacing, and a tRNS chunk where it is not empty.
+pub fn png_of(
+    [width, height]: [u32; 2],
+    [depth, color, interlacing]: [u8; 3],
+    palette: &[u8],
+    transparency: &[u8],
+    rows: &[u8],
+) -> Vec<u8> {
     let mut header = Vec::new();
     header.extend(width.to_be_bytes());
     header.extend(height.to_be_bytes());
-    header.extend([depth, color, 0, 0, 0]);
+    header.extend([depth, color, 0, 0, interlacing]);
     // RFC 1950 and 1951: one stored block.
     let mut stream = vec![0x78, 0x01, 0x01];
     stream.extend((rows.len() as u16).to_le_bytes());
@@ -248,6 +259,9 @@ pub fn png(width: u32, height: u32, depth: u8, color: u8, palette: &[u8], rows: 
     chunk(b"IHDR", &header);
     if !palette.is_empty() {
         chunk(b"PLTE", palette);
+    }
+    if !transparency.is_empty() {
+        chunk(b"tRNS", transparency);
     }
     chunk(b"IDAT", &stream);
     chunk(b"IEND", &[]);

@@ -12,6 +12,7 @@ mod environment;
 mod etc1s_file;
 mod extensions;
 mod geometry;
+mod images;
 mod info;
 #[cfg(feature = "basisu")]
 mod ktx2;
