@@ -5,6 +5,7 @@ import package::bindings::{frame, triangles, instances};
 import package::ray::{Ray, Hit};
 import package::intersect::{local_ray, intersect_node, intersect_triangle};
 import package::alpha::{is_visible};
+import package::transform::{normal_matrix, transform_translation};
 
 // Entries of the stack; the host builds no hierarchies that need more (src/bvh.rs).
 const STACK_SIZE: u32 = 32u;
@@ -70,11 +71,11 @@ fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
                 }
                 mesh_floor = stack_size;
                 instance = leaves.x + place;
-                let rows = instances[instance].object_from_world;
-                let origin = vec4<f32>(ray.origin, 1.0);
-                local = local_ray(
-                    vec3<f32>(dot(rows[0], origin), dot(rows[1], origin), dot(rows[2], origin)),
-                    vec3<f32>(dot(rows[0].xyz, ray.direction), dot(rows[1].xyz, ray.direction), dot(rows[2].xyz, ray.direction)));
+                let rows = instances[instance].world_from_object;
+                let inverse_transposed = normal_matrix(rows);
+                // The translation first: near the instance little is left to round.
+                let origin = ray.origin - transform_translation(rows);
+                local = local_ray(origin * inverse_transposed, ray.direction * inverse_transposed);
                 first_triangle = instances[instance].first_triangle;
                 inner = vec2<u32>(instances[instance].root, 0x80000000u);
             }

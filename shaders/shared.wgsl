@@ -177,14 +177,13 @@ struct Triangle {
     reserved: u32,
 }
 
-// A mesh placed in the world; matrices are 3x4, by rows.
+// A mesh placed in the world; the matrix is 3x4, by rows, and has an inverse.
 struct Instance {
     world_from_object: array<vec4<f32>, 3>,
-    object_from_world: array<vec4<f32>, 3>,
     root: u32,           // node index of the mesh's hierarchy
     first_triangle: u32, // index that the hierarchy's leaves count from
     flags: u32,
-    object: u32,         // running number of the glTF node, for the record
+    motion: u32,         // index in `instances` of the first of its further keys, if it moves
 }
 
 // A texture as one material uses it: texels, sampler, and the affine map from KHR_texture_transform.

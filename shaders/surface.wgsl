@@ -6,6 +6,7 @@ import package::math::{Basis, basis_from_tangent, normalize_accurate, to_local, 
 import package::ray::{Ray, Hit};
 import package::attributes::{attribute_normal, attribute_tangent, attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
+import package::transform::{inverse_error, normal_matrix, transform_point, transform_vector};
 import package::variant::{NORMAL_TEXTURES, COAT_NORMALS};
 
 // In world space; `wo` is against the ray.
@@ -30,16 +31,6 @@ const SURFACE_ROUNDING: f32 = 4.76837158203125e-7;
 // Least cosine between wo and the shading normal.
 const MIN_COS_SHADING: f32 = 1e-3;
 
-// Matrix rows times a direction.
-fn transform_vector(rows: array<vec4<f32>, 3>, v: vec3<f32>) -> vec3<f32> {
-    return vec3<f32>(dot(rows[0].xyz, v), dot(rows[1].xyz, v), dot(rows[2].xyz, v));
-}
-
-// By the inverse's transpose, given the inverse; keeps the side, not the length.
-fn transform_normal(inverse_rows: array<vec4<f32>, 3>, n: vec3<f32>) -> vec3<f32> {
-    return n.x * inverse_rows[0].xyz + n.y * inverse_rows[1].xyz + n.z * inverse_rows[2].xyz;
-}
-
 // Normal of the front face in world space, unit length. A mirroring transform turns the winding
 // round, and the front with it (glTF 2.0 section 3.7.4).
 fn geometric_normal(triangle: Triangle, instance: Instance) -> vec3<f32> {
@@ -61,7 +52,8 @@ fn position_error(triangle: Triangle, instance: Instance, p: vec3<f32>, ng: vec3
         dot(abs(rows[0]), vec4<f32>(reach, 1.0)),
         dot(abs(rows[1]), vec4<f32>(reach, 1.0)),
         dot(abs(rows[2]), vec4<f32>(reach, 1.0)));
-    return max(frame.ray_offset_floor, SURFACE_ROUNDING * dot(abs(ng), extent));
+    let terms = dot(abs(ng), extent) + inverse_error(rows, reach, ng);
+    return max(frame.ray_offset_floor, SURFACE_ROUNDING * terms);
 }
 
 // Turns `ns` towards `wo` just so far that the angle between them stays under 90 degrees. Where
@@ -110,9 +102,8 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
     let barycentrics = vec2<f32>(hit.u, hit.v);
     let wo = -ray.direction;
 
-    let local = vec4<f32>(triangle.p0 + hit.u * triangle.e1 + hit.v * triangle.e2, 1.0);
     let rows = instance.world_from_object;
-    let p = vec3<f32>(dot(rows[0], local), dot(rows[1], local), dot(rows[2], local));
+    let p = transform_point(rows, triangle.p0 + hit.u * triangle.e1 + hit.v * triangle.e2);
 
     let n_front = geometric_normal(triangle, instance);
     let front = dot(n_front, wo) >= 0.0;
@@ -120,7 +111,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
 
     // The front's shading normal. One that points behind its own face is taken for a mistake of
     // orientation; one of no length, as the geometric normal.
-    var n = normalize_accurate(transform_normal(instance.object_from_world, attribute_normal(triangle, barycentrics)));
+    var n = normalize_accurate(normal_matrix(rows) * attribute_normal(triangle, barycentrics));
     if dot(n, n) == 0.0 {
         n = n_front;
     }

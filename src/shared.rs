@@ -145,16 +145,15 @@ pub struct Triangle {
     pub reserved: u32,
 }
 
-/// A mesh placed in the world; matrices are 3x4, by rows.
+/// A mesh placed in the world; the matrix is 3x4, by rows, and has an inverse.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Instance {
     pub world_from_object: [[f32; 4]; 3],
-    pub object_from_world: [[f32; 4]; 3],
     pub root: u32,
     pub first_triangle: u32,
     pub flags: u32,
-    pub object: u32,
+    pub motion: u32,
 }
 
 /// A texture as one material uses it: texels, sampler, and the affine map from KHR_texture_transform.

@@ -125,11 +125,10 @@ fn structures_agree_field_by_field() {
             "Instance",
             host!(shared::Instance {
                 world_from_object,
-                object_from_world,
                 root,
                 first_triangle,
                 flags,
-                object
+                motion
             }),
         ),
         (

@@ -440,6 +440,136 @@ fn new_rays_leave_the_surface_at_every_scale() {
     }
 }
 
+/// Transforms by what is hard about inverting them in single precision.
+fn awkward_transforms(random: &mut Random) -> Vec<(&'static str, Affine3A)> {
+    let turn = |random: &mut Random| {
+        Affine3A::from_quat(Quat::from_axis_angle(
+            random.direction(),
+            random.range(0.5, 2.5),
+        ))
+    };
+    let scale = |x, y, z| Affine3A::from_scale(Vec3::new(x, y, z));
+    let mut all = Vec::new();
+    for _ in 0..4 {
+        let [first, second] = [turn(random), turn(random)];
+        all.extend([
+            ("rotated, 1 : 1 : 1000", first * scale(1.0, 1.0, 1000.0)),
+            ("1 : 1 : 1000 of rotated", scale(1.0, 1.0, 1000.0) * first),
+            ("sheared 1 : 5", first * scale(1.0, 2.0, 5.0) * second),
+            ("sheared 1 : 30", first * scale(1.0, -5.0, 30.0) * second),
+            ("sheared 1 : 1000", first * scale(1.0, 1000.0, 1.0) * second),
+            ("tiny", first * scale(1e-12, 2e-12, 1e-12)),
+            ("huge", first * scale(1e12, 1e12, 3e12)),
+            ("far apart", first * scale(1e-9, 1.0, 1e6)),
+        ]);
+    }
+    for (_, transform) in &mut all {
+        let size = transform.matrix3.x_axis.length();
+        transform.translation = (3.0 * size * random.direction()).into();
+    }
+    all
+}
+
+/// Points near the triangles' plane, taken into the object's space by the kernels, against what the
+/// offset of new rays allows for.
+#[test]
+fn the_way_into_an_object_is_as_exact_as_the_offset_says() {
+    const INTO: &str = "
+import package::transform::{normal_matrix, transform_translation};
+@group(3) @binding(0) var<storage, read> rows: array<vec4<f32>>;
+@group(3) @binding(1) var<storage, read> points: array<vec4<f32>>;
+@group(3) @binding(2) var<storage, read_write> local: array<vec4<f32>>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= arrayLength(&points) { return; }
+    let matrix = array(rows[3u * id.x], rows[3u * id.x + 1u], rows[3u * id.x + 2u]);
+    let from = points[id.x].xyz - transform_translation(matrix);
+    local[id.x] = vec4(from * normal_matrix(matrix), 0.0);
+}";
+    let mut random = Random(21);
+    let transforms = awkward_transforms(&mut random);
+    let (mut rows, mut points, mut of) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, (_, transform)) in transforms.iter().enumerate() {
+        let matrix = transform.matrix3.transpose();
+        let t = transform.translation;
+        for _ in 0..2000 {
+            for (row, t) in [matrix.x_axis, matrix.y_axis, matrix.z_axis].iter().zip(t.to_array()) {
+                rows.push(row.extend(t).to_array());
+            }
+            let local = random.cube();
+            points.push(transform.transform_point3(local).extend(1.0).to_array());
+            of.push(number);
+        }
+    }
+    let bytes = common::run(
+        INTO,
+        &[bytemuck::cast_slice(&rows), bytemuck::cast_slice(&points)],
+        points.len() * 16,
+        points.len() as u32,
+    );
+    let locals: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+    let mut worst = vec![0.0_f64; transforms.len()];
+    for (i, (local, point)) in locals.iter().zip(&points).enumerate() {
+        let rows = [rows[3 * i], rows[3 * i + 1], rows[3 * i + 2]];
+        let local = Vec4::from_array(*local).truncate().as_dvec3();
+        let there = cpu::transform::transform_point(rows, local);
+        let shift = there - Vec4::from_array(*point).truncate().as_dvec3();
+        for _ in 0..8 {
+            let ng = random.direction().as_dvec3();
+            let reach = DVec3::ONE;
+            let allowed = cpu::surface::SURFACE_ROUNDING
+                * cpu::transform::inverse_error(rows, reach, ng);
+            worst[of[i]] = worst[of[i]].max(shift.dot(ng).abs() / allowed);
+        }
+    }
+    for ((name, _), worst) in transforms.iter().zip(&worst) {
+        println!("{name}: {worst:.3} of what is allowed");
+        assert!(*worst < 1.0, "{name}: {worst}");
+    }
+    // Not by being allowed anything: some transform needs a good part of it.
+    assert!(worst.iter().any(|&worst| worst > 0.05));
+}
+
+/// From a closed surface outwards nothing of it is met again, inwards the other side is.
+#[test]
+fn new_rays_leave_surfaces_under_awkward_transforms() {
+    let mut random = Random(22);
+    for (name, transform) in awkward_transforms(&mut random) {
+        let scene = shapes::scene(
+            vec![shapes::sphere(24, 1.0)],
+            vec![shapes::instance(0, transform)],
+        );
+        let packed = shapes::packed(&scene);
+        let rays: Vec<_> = (0..3000)
+            .map(|_| {
+                let out = random.direction();
+                let from = transform.transform_point3(out * 3.0);
+                towards(from, transform.transform_point3(0.9 * random.direction()))
+            })
+            .collect();
+        let first = surfaces_gpu(&packed, &rays);
+        let (mut next, mut from) = (Vec::new(), Vec::new());
+        for answer in first.iter().filter(|answer| answer.instance != NONE) {
+            let ng = Vec3::from_array(answer.ng);
+            let w = (ng + random.direction() * 0.999).normalize();
+            let [above, below] = [answer.above, answer.below].map(Vec3::from_array);
+            next.extend([towards(above, above + w), towards(below, below - w)]);
+            from.extend([(answer.triangle, true), (answer.triangle, false)]);
+        }
+        let second = surfaces_gpu(&packed, &next);
+        let (mut again, mut lost) = (0, 0);
+        for ((triangle, outwards), to) in from.iter().zip(&second) {
+            again += usize::from(to.instance != NONE && (*outwards || to.triangle == *triangle));
+            lost += usize::from(to.instance == NONE && !outwards);
+        }
+        println!("{name}: {} rays, {again} again, {lost} lost", next.len());
+        assert!(next.len() > 2000, "{name}: {} rays", next.len());
+        assert_eq!(again, 0, "{name}");
+        // A ray that starts within an offset of an edge may start outside.
+        assert!(lost * 1000 <= next.len(), "{name}: {lost} lost");
+    }
+}
+
 /// The instance of the first mesh: its triangles come first.
 fn first_wall(packed: &Packed) -> usize {
     let is_first = |instance: &snell::shared::Instance| instance.first_triangle == 0;

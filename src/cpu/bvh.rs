@@ -3,10 +3,11 @@
 use super::alpha::is_visible;
 use super::intersect::{intersect_node, intersect_triangle, local_ray};
 use super::ray::{Hit, Ray};
+use super::transform::{normal_matrix, transform_translation};
 use crate::bvh::STACK_SIZE;
 use crate::pack::Packed;
 use crate::shared::NONE;
-use glam::{DVec2, DVec3, DVec4, UVec2, Vec4};
+use glam::{DVec2, UVec2};
 
 /// The nearest visible hit.
 pub fn trace_closest(packed: &Packed, ray: Ray, alpha_seed: u32) -> Hit {
@@ -76,11 +77,10 @@ pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
                 mesh_floor = Some(stack_size);
                 instance = leaves.x + place;
                 let entered = &packed.instances[instance as usize];
-                let rows = entered
-                    .object_from_world
-                    .map(|row| Vec4::from_array(row).as_dvec4());
-                let map = |v: DVec4| DVec3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
-                local = local_ray(map(ray.origin.extend(1.0)), map(ray.direction.extend(0.0)));
+                let rows = entered.world_from_object;
+                let inverse = normal_matrix(rows).transpose();
+                let origin = ray.origin - transform_translation(rows);
+                local = local_ray(inverse * origin, inverse * ray.direction);
                 first_triangle = entered.first_triangle;
                 inner = UVec2::new(entered.root, 0x8000_0000);
             }

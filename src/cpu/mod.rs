@@ -28,4 +28,5 @@ pub mod sobol;
 pub mod spectrum;
 pub mod surface;
 pub mod texture;
+pub mod transform;
 pub mod visibility;

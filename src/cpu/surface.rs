@@ -4,6 +4,7 @@ use super::attributes::{attribute_color, attribute_normal, attribute_tangent, at
 use super::math::{Basis, basis_from_tangent, normalize_accurate, to_local, to_world};
 use super::ray::{Hit, Ray};
 use super::texture::texture_sample;
+use super::transform::{inverse_error, normal_matrix, transform_point, transform_vector};
 use crate::pack::Packed;
 use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Texture, Triangle};
 use glam::{DVec2, DVec3, DVec4, Vec3, Vec4};
@@ -39,18 +40,6 @@ pub const SURFACE_ROUNDING: f64 = 4.76837158203125e-7;
 /// Least cosine between wo and the shading normal.
 pub const MIN_COS_SHADING: f64 = 1e-3;
 
-/// Matrix rows times a direction.
-pub fn transform_vector(rows: [[f32; 4]; 3], v: DVec3) -> DVec3 {
-    let product = rows.map(|row| Vec4::from_array(row).as_dvec4().truncate().dot(v));
-    DVec3::from_array(product)
-}
-
-/// By the inverse's transpose, given the inverse; keeps the side, not the length.
-pub fn transform_normal(inverse_rows: [[f32; 4]; 3], n: DVec3) -> DVec3 {
-    let [x, y, z] = inverse_rows.map(|row| Vec4::from_array(row).as_dvec4().truncate());
-    n.x * x + n.y * y + n.z * z
-}
-
 /// Normal of the front face in world space, unit length. A mirroring transform turns the winding
 /// round, and the front with it (glTF 2.0 section 3.7.4).
 pub fn geometric_normal(triangle: &Triangle, instance: &Instance) -> DVec3 {
@@ -74,12 +63,12 @@ pub fn position_error(
     ng: DVec3,
 ) -> f64 {
     let size = |v: [f32; 3]| Vec3::from_array(v).as_dvec3().abs();
-    let reach = (size(triangle.p0) + size(triangle.e1) + size(triangle.e2)).extend(1.0);
-    let placed = instance
-        .world_from_object
-        .map(|row| Vec4::from_array(row).as_dvec4().abs().dot(reach));
+    let reach = size(triangle.p0) + size(triangle.e1) + size(triangle.e2);
+    let rows = instance.world_from_object;
+    let placed = rows.map(|row| Vec4::from_array(row).as_dvec4().abs().dot(reach.extend(1.0)));
     let extent = p.abs() + DVec3::from_array(placed);
-    f64::from(packed.frame.ray_offset_floor).max(SURFACE_ROUNDING * ng.abs().dot(extent))
+    let terms = ng.abs().dot(extent) + inverse_error(rows, reach, ng);
+    f64::from(packed.frame.ray_offset_floor).max(SURFACE_ROUNDING * terms)
 }
 
 /// Turns `ns` towards `wo` just so far that the angle between them stays under 90 degrees. Where
@@ -139,7 +128,7 @@ pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
     let corner = |v: [f32; 3]| Vec3::from_array(v).as_dvec3();
     let local = corner(triangle.p0) + hit.u * corner(triangle.e1) + hit.v * corner(triangle.e2);
     let rows = instance.world_from_object;
-    let p = transform_vector(rows, local) + DVec3::from_array(rows.map(|row| f64::from(row[3])));
+    let p = transform_point(rows, local);
 
     let n_front = geometric_normal(triangle, instance);
     let front = n_front.dot(wo) >= 0.0;
@@ -147,10 +136,9 @@ pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
 
     // The front's shading normal. One that points behind its own face is taken for a mistake of
     // orientation; one of no length, as the geometric normal.
-    let mut n = normalize_accurate(transform_normal(
-        instance.object_from_world,
-        attribute_normal(packed, triangle, barycentrics),
-    ));
+    let mut n = normalize_accurate(
+        normal_matrix(rows) * attribute_normal(packed, triangle, barycentrics),
+    );
     if n == DVec3::ZERO {
         n = n_front;
     }

@@ -65,6 +65,7 @@ pub const MODULES: &[Module] = modules![
     "spectrum",
     "surface",
     "texture",
+    "transform",
     "variant",
     "visibility",
 ];

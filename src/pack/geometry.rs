@@ -66,13 +66,12 @@ pub fn pack_geometry(
             matrix3: instance.world_from_object.matrix3.as_dmat3(),
             translation: instance.world_from_object.translation.as_dvec3(),
         };
-        let object_from_world = world_from_object.inverse();
-        if !object_from_world.is_finite() {
+        if !is_invertible(world_from_object) {
             continue;
         }
         let bounds = transform_bounds(world_from_object, mesh.bounds);
         check_extent(bounds, || format!("the mesh of nodes[{}]", instance.node))?;
-        placed.push((instance, world_from_object, object_from_world));
+        placed.push((instance, world_from_object));
         boxes.push(bounds);
     }
     let top = check_depth(bvh::build(&boxes), || "the nodes".to_owned())?;
@@ -93,18 +92,17 @@ pub fn pack_geometry(
         })
         .collect::<Result<Vec<_>, _>>()?;
     for &leaf in &top.order {
-        let (instance, world_from_object, object_from_world) = placed[leaf as usize];
+        let (instance, world_from_object) = placed[leaf as usize];
         let (root, range) = starts[instance.mesh]
             .clone()
             .expect("a placed instance's mesh was packed");
         let flipped = world_from_object.matrix3.determinant() < 0.0;
         geometry.instances.push(Instance {
             world_from_object: rows(world_from_object),
-            object_from_world: rows(object_from_world),
             root,
             first_triangle: range.start,
             flags: if flipped { INSTANCE_FLIPPED } else { 0 },
-            object: instance.node as u32,
+            motion: 0,
         });
         geometry.ranges.push(range);
     }
@@ -186,6 +184,24 @@ fn pack_meshes(
     }
     Ok(meshes)
 }
+
+/// Whether a ray's way into the object's space, made in single precision, means anything: the columns
+/// are in float32's range, and their determinant is more than what rounding leaves of zero.
+fn is_invertible(transform: DAffine3) -> bool {
+    let [x, y, z] = transform.matrix3.to_cols_array_2d().map(DVec3::from);
+    let lengths = x.length() * y.length() * z.length();
+    let in_range =
+        |column: DVec3| (SCALE_RANGE.0..=SCALE_RANGE.1).contains(&column.abs().max_element());
+    transform.is_finite()
+        && [x, y, z].into_iter().all(in_range)
+        && x.dot(y.cross(z)).abs() > DETERMINANT_ROUNDING * lengths
+}
+
+/// Scales whose reciprocals are normal float32 with room to spare.
+const SCALE_RANGE: (f64, f64) = (1e-30, 1e30);
+
+/// Of a determinant in float32, as part of the product of the columns' lengths: 2^-22, four units.
+const DETERMINANT_ROUNDING: f64 = 2.384_185_791_015_625e-7;
 
 fn rows(transform: DAffine3) -> [[f32; 4]; 3] {
     let columns = transform.matrix3.to_cols_array_2d();

@@ -129,8 +129,8 @@ impl Packer {
 /// Packs a scene for one picture. The same scene and view give the same bytes, whatever the number
 /// of threads.
 ///
-/// An instance whose transform has no inverse (a scale of zero) has no surface to hit and is left
-/// out, as is one whose mesh has no triangles.
+/// An instance whose transform has no inverse in single precision (a scale of zero) has no surface to
+/// hit and is left out, as is one whose mesh has no triangles.
 pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
     pack_with(scene, view, None)
 }
