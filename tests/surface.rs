@@ -483,8 +483,8 @@ import package::transform::{normal_matrix, transform_translation};
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&points) { return; }
     let matrix = array(rows[3u * id.x], rows[3u * id.x + 1u], rows[3u * id.x + 2u]);
-    let from = points[id.x].xyz - transform_translation(matrix);
-    local[id.x] = vec4(from * normal_matrix(matrix), 0.0);
+    let offset = points[id.x].xyz - transform_translation(matrix);
+    local[id.x] = vec4(offset * normal_matrix(matrix), 0.0);
 }";
     let mut random = Random(21);
     let transforms = awkward_transforms(&mut random);
