@@ -1,11 +1,11 @@
 // Tracing rays through the two levels of hierarchies: instances, and the triangles of their meshes.
 
 import package::shared::{NONE};
-import package::bindings::{frame, triangles, instances};
+import package::bindings::{frame, triangles};
 import package::ray::{Ray, Hit};
 import package::intersect::{local_ray, intersect_node, intersect_triangle};
 import package::alpha::{is_visible};
-import package::transform::{normal_matrix, transform_translation};
+import package::transform::{instance_at, normal_matrix, transform_translation, vector_in_object};
 
 // Entries of the stack; the host builds no hierarchies that need more (src/bvh.rs).
 const STACK_SIZE: u32 = 32u;
@@ -71,13 +71,14 @@ fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
                 }
                 mesh_floor = stack_size;
                 instance = leaves.x + place;
-                let rows = instances[instance].world_from_object;
-                let inverse_transposed = normal_matrix(rows);
+                let entered = instance_at(instance, ray.time);
+                let rows = entered.world_from_object;
+                let N = normal_matrix(rows);
                 // The translation first: near the instance little is left to round.
                 let origin = ray.origin - transform_translation(rows);
-                local = local_ray(origin * inverse_transposed, ray.direction * inverse_transposed);
-                first_triangle = instances[instance].first_triangle;
-                inner = vec2<u32>(instances[instance].root, 0x80000000u);
+                local = local_ray(vector_in_object(rows, N, origin), vector_in_object(rows, N, ray.direction));
+                first_triangle = entered.first_triangle;
+                inner = vec2<u32>(entered.root, 0x80000000u);
             }
         } else {
             while leaves.y != 0u {

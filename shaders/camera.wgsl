@@ -12,10 +12,10 @@ fn camera_ray(camera: Camera, film_size: vec2<u32>, position: vec2<f32>) -> Ray 
     let ndc = 2.0 * position / vec2<f32>(film_size) - 1.0;
     let across = ndc.x * camera.half_width * camera.right - ndc.y * camera.half_height * camera.up;
     if camera.kind == CAMERA_ORTHOGRAPHIC {
-        return Ray(camera.origin + across, camera.near, camera.forward, CAMERA_FAR);
+        return Ray(camera.origin + across, camera.near, camera.forward, CAMERA_FAR, 0.0);
     }
     let direction = camera.forward + across;
     // The camera's axes are orthonormal, so this is also how far along the ray one metre of depth is.
     let length = sqrt(dot(direction, direction));
-    return Ray(camera.origin, camera.near * length, direction / length, CAMERA_FAR);
+    return Ray(camera.origin, camera.near * length, direction / length, CAMERA_FAR, 0.0);
 }

@@ -1,10 +1,12 @@
 // What the sentences of the path loop share: weights, roulette, and which random dimension goes where.
 
-import package::rng::{Rng, hash_combine};
+import package::rng::{Rng, hash_combine, next_1d};
+import package::variant::{MOTION};
 
 // Dimension 0 places the sample in its pixel; each bounce takes a block of its own, so that a draw
 // that one path skips does not shift the next bounce's draws.
 const DIMENSION_PIXEL: u32 = 0u;
+const DIMENSION_TIME: u32 = 0xffffffffu; // behind all bounces, so that still pictures do not depend on it
 const DIMENSION_BOUNCE: u32 = 1u;
 const DIMENSIONS_PER_BOUNCE: u32 = 8u;
 const DIMENSION_LIGHT: u32 = 0u;    // choice (1d), then point (2d)
@@ -40,6 +42,17 @@ fn roulette_probability(beta: vec3<f32>, eta_scale: f32) -> f32 {
 
 fn bounce_dimension(bounce: u32, draw: u32) -> u32 {
     return DIMENSION_BOUNCE + bounce * DIMENSIONS_PER_BOUNCE + draw;
+}
+
+// When the shutter is open for a path: the same for all its rays, and drawn anew wherever it is needed
+// rather than kept.
+fn path_time(rng: Rng) -> f32 {
+    if !MOTION {
+        return 0.0;
+    }
+    var at_time = rng;
+    at_time.dimension = DIMENSION_TIME;
+    return next_1d(&at_time);
 }
 
 // The seed of the opacity decisions along one ray of a path: `ray` is 2 * bounce for the path's own

@@ -5,6 +5,7 @@ struct Ray {
     t_min: f32,
     direction: vec3<f32>, // unit length in world space
     t_max: f32,
+    time: f32,            // in [0, 1) from when the shutter opens to when it closes
 }
 
 // Where a ray met a triangle: the point is p0 + u e1 + v e2.

@@ -65,6 +65,8 @@ const LAYOUT_TEXCOORDS_SHIFT: u32 = 8u; // vertex_layout >> 8: number of texture
 
 // `Instance.flags`
 const INSTANCE_FLIPPED: u32 = 1u; // negative determinant: front faces wind the other way
+const INSTANCE_KEYS_SHIFT: u32 = 8u;  // number of further keys from this bit on, 0: it stands still
+const INSTANCE_KEYS_MASK: u32 = 255u;
 
 // `Light.kind`
 const LIGHT_POINT: u32 = 0u;
@@ -177,13 +179,15 @@ struct Triangle {
     reserved: u32,
 }
 
-// A mesh placed in the world; the matrix is 3x4, by rows, and has an inverse.
+// A mesh placed in the world; the matrix is 3x4, by rows, and has an inverse. What moves has further keys
+// behind the placed instances, whole entries, at equal steps of time: the entry itself is where it is when
+// the shutter opens, the last key where it is when it closes, and in between the matrices are linear.
 struct Instance {
     world_from_object: array<vec4<f32>, 3>,
     root: u32,           // node index of the mesh's hierarchy
     first_triangle: u32, // index that the hierarchy's leaves count from
     flags: u32,
-    motion: u32,         // index in `instances` of the first of its further keys, if it moves
+    motion: u32,         // index in `instances` of the first of its further keys, if it has any
 }
 
 // A texture as one material uses it: texels, sampler, and the affine map from KHR_texture_transform.

@@ -1,12 +1,12 @@
 // The surface where a ray met it: point, normals, shading frame, and what textures need.
 
 import package::shared::{Triangle, Instance, Texture, NONE, INSTANCE_FLIPPED};
-import package::bindings::{frame, triangles, instances, materials};
+import package::bindings::{frame, triangles, materials};
 import package::math::{Basis, basis_from_tangent, normalize_accurate, to_local, to_world};
 import package::ray::{Ray, Hit};
 import package::attributes::{attribute_normal, attribute_tangent, attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
-import package::transform::{inverse_error, normal_matrix, transform_point, transform_vector};
+import package::transform::{instance_at, inverse_error, normal_matrix, transform_point, transform_vector};
 import package::variant::{NORMAL_TEXTURES, COAT_NORMALS};
 
 // In world space; `wo` is against the ray.
@@ -52,7 +52,7 @@ fn position_error(triangle: Triangle, instance: Instance, p: vec3<f32>, ng: vec3
         dot(abs(rows[0]), vec4<f32>(reach, 1.0)),
         dot(abs(rows[1]), vec4<f32>(reach, 1.0)),
         dot(abs(rows[2]), vec4<f32>(reach, 1.0)));
-    let terms = dot(abs(ng), extent) + inverse_error(rows, reach, ng);
+    let terms = dot(abs(ng), extent) + inverse_error(rows, reach, ng, SURFACE_ROUNDING);
     return max(frame.ray_offset_floor, SURFACE_ROUNDING * terms);
 }
 
@@ -98,7 +98,7 @@ fn mapped_normal(triangle: Triangle, barycentrics: vec2<f32>, smooth_frame: Basi
 // The hit of `ray`; not for a miss.
 fn surface_at(ray: Ray, hit: Hit) -> Surface {
     let triangle = triangles[hit.triangle];
-    let instance = instances[hit.instance];
+    let instance = instance_at(hit.instance, ray.time);
     let barycentrics = vec2<f32>(hit.u, hit.v);
     let wo = -ray.direction;
 

@@ -1,7 +1,41 @@
-// Where instances stand: their matrices' rows, and the way back into an object's space.
+// Where instances are: their matrices' rows at a time, and the way back into an object's space.
 //
 // Only world_from_object is stored. Its inverse is made where a ray enters an instance: an instance
-// stays at 64 bytes, and a moving one has no stored inverse anyway.
+// stays at 64 bytes, and of a moving one there is none to store.
+
+import package::shared::{Instance, INSTANCE_FLIPPED, INSTANCE_KEYS_SHIFT, INSTANCE_KEYS_MASK};
+import package::bindings::{instances};
+import package::variant::{MOTION};
+
+// The instance as it is at `time`, in [0, 1] of the shutter's opening.
+fn instance_at(number: u32, time: f32) -> Instance {
+    var instance = instances[number];
+    let keys = (instance.flags >> INSTANCE_KEYS_SHIFT) & INSTANCE_KEYS_MASK;
+    if !MOTION || keys == 0u {
+        return instance;
+    }
+    let place = time * f32(keys);
+    let key = min(u32(place), keys - 1u);
+    let part = place - f32(key);
+    var rows = instance.world_from_object;
+    if key > 0u {
+        rows = instances[instance.motion + key - 1u].world_from_object;
+    }
+    let next = instances[instance.motion + key].world_from_object;
+    for (var row = 0u; row < 3u; row++) {
+        rows[row] = mix(rows[row], next[row], part);
+    }
+    instance.world_from_object = rows;
+    // Keys may mirror each other: the sign is that of the matrix in between.
+    instance.flags = select(0u, INSTANCE_FLIPPED, determinant_sign(rows) < 0.0);
+    return instance;
+}
+
+// Of the linear part: 1, -1, or 0 where it has no inverse.
+fn determinant_sign(rows: array<vec4<f32>, 3>) -> f32 {
+    let scale = column_scale(rows);
+    return sign(dot(scale * rows[0].xyz, cross(scale * rows[1].xyz, scale * rows[2].xyz)));
+}
 
 // Rows times a point; the fourth column is the translation.
 fn transform_point(rows: array<vec4<f32>, 3>, p: vec3<f32>) -> vec3<f32> {
@@ -28,7 +62,7 @@ fn column_scale(rows: array<vec4<f32>, 3>) -> vec3<f32> {
 }
 
 // The linear part's inverse, transposed: its columns are the inverse's rows, by cofactors. `N * n` takes
-// a normal into the world (keeps the side, not the length), `v * N` a direction into the object's space.
+// a normal into the world; it keeps the side, not the length.
 fn normal_matrix(rows: array<vec4<f32>, 3>) -> mat3x3<f32> {
     let scale = column_scale(rows);
     let x = scale.x * vec3<f32>(rows[0].x, rows[1].x, rows[2].x);
@@ -39,32 +73,42 @@ fn normal_matrix(rows: array<vec4<f32>, 3>) -> mat3x3<f32> {
     return mat3x3<f32>(factor.x * yz, factor.y * cross(z, x), factor.z * cross(x, y));
 }
 
-// A bound, along the world's unit normal `ng` and in metres, on how far rounding shifts a ray that
-// `normal_matrix` takes into an object's space, while the ray is near a triangle of that object.
-// `reach`: the largest absolute coordinates of the triangle in the object; in units of float32's
-// rounding, of which the caller knows the number.
+// A vector of the world in the object's space: `N` is the rows' normal_matrix. One step of iterative
+// refinement (Wilkinson 1963, "Rounding Errors in Algebraic Processes") takes most of the inverse's own
+// rounding out again, which shear makes large.
+fn vector_in_object(rows: array<vec4<f32>, 3>, N: mat3x3<f32>, v: vec3<f32>) -> vec3<f32> {
+    let first = v * N;
+    return first + (v - transform_vector(rows, first)) * N;
+}
+
+// What the inverse's own rounding adds to the shift, along the world's unit normal `ng` and in metres, of
+// a ray that vector_in_object takes to a triangle of the object. `reach`: the triangle's largest absolute
+// coordinates there. `rounding`: of a sum of products in float32, and the unit of the result.
 //
-// The inverse's entry (k, j) is a minor over the determinant, both differences of products. Rounding
-// errs by no more than a few units of the same sums with all signs plus: A(k, j) of the minors, and D of
-// the determinant. So coordinate k of a point w from the object's origin errs by the sum of A(k, j) |w(j)|
-// over j, and |w| is at most |M| reach, M being the linear part. In the world that shifts the point along
-// ng by ng^T M times it. The determinant's error scales the whole by a factor 1 + D / |det|. Where the
-// columns are at right angles both sums are of the size of what they bound, whatever the scales; shear
-// makes them larger, and rays really are that uncertain then.
-fn inverse_error(rows: array<vec4<f32>, 3>, reach: vec3<f32>, ng: vec3<f32>) -> f32 {
+// An entry of the inverse is a minor over the determinant, both differences of products. Rounding errs by
+// no more than a few units of the same sums with all signs plus: A of the minors over the determinant, D of
+// the determinant over itself. A point w away from the object's origin, |w| at most |M| reach, is thereby
+// shifted by A |w| in the object and scaled by 1 + D. The refinement leaves of that what the same inverse
+// makes of the residual, r = |M| A |w| + D |w| in units: A r in the object, which is ng^T M A r along ng, and
+// D r. (The residual's own rounding is of the size of |M| reach, which the caller counts.) Where columns are
+// at right angles A and D are of the size of what they bound, whatever the scales, and this is nothing.
+fn inverse_error(rows: array<vec4<f32>, 3>, reach: vec3<f32>, ng: vec3<f32>, rounding: f32) -> f32 {
+    // The columns' scales, of M and of its inverse, cancel.
     let scale = column_scale(rows);
     let x = scale.x * vec3<f32>(rows[0].x, rows[1].x, rows[2].x);
     let y = scale.y * vec3<f32>(rows[0].y, rows[1].y, rows[2].y);
     let z = scale.z * vec3<f32>(rows[0].z, rows[1].z, rows[2].z);
+    let minors_x = cross_sums(abs(y), abs(z));
+    let minors_y = cross_sums(abs(z), abs(x));
+    let minors_z = cross_sums(abs(x), abs(y));
+    let determinant = abs(dot(x, cross(y, z)));
+    let D = dot(abs(x), minors_x) / determinant;
     let w = abs(x) * (reach.x / scale.x) + abs(y) * (reach.y / scale.y) + abs(z) * (reach.z / scale.z);
-    let minors = vec3<f32>(
-        dot(cross_sums(abs(y), abs(z)), w),
-        dot(cross_sums(abs(z), abs(x)), w),
-        dot(cross_sums(abs(x), abs(y)), w));
-    // The columns' scales, of M and of its inverse, cancel.
+    let shift = vec3<f32>(dot(minors_x, w), dot(minors_y, w), dot(minors_z, w)) / determinant;
+    let r = rounding * (abs(x) * shift.x + abs(y) * shift.y + abs(z) * shift.z + D * w);
+    let left = vec3<f32>(dot(minors_x, r), dot(minors_y, r), dot(minors_z, r)) / determinant;
     let along = abs(vec3<f32>(dot(ng, x), dot(ng, y), dot(ng, z)));
-    let determinant_sums = dot(abs(x), cross_sums(abs(y), abs(z)));
-    return (dot(along, minors) + determinant_sums * dot(abs(ng), w)) / abs(dot(x, cross(y, z)));
+    return dot(along, left) + D * dot(abs(ng), r);
 }
 
 // The cross product with plus for minus.

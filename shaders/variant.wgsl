@@ -6,6 +6,7 @@
 
 import package::shared::{BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_GLTF};
 
+const MOTION: bool = true;                    // something moves while the shutter is open
 const TEST_ALPHA: bool = true;                // some material is masked or blended
 const MEDIA: bool = true;                     // some material is the boundary of a medium
 const DISPERSION: bool = true;                // that disperses

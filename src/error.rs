@@ -84,7 +84,7 @@ impl Error {
             Error::Frame { source, .. } => source.exit_status(),
             Error::Gltf(error) => error.exit_status(),
             Error::Pack(error) => match error {
-                PackError::TooMany { .. } => 6,
+                PackError::TooMany { .. } | PackError::TooManyKeys { .. } => 6,
                 PackError::TooFar { .. } | PackError::TooDeep { .. } | PackError::Model { .. } => 3,
             },
             Error::Render(error) => match error {

@@ -50,6 +50,8 @@ pub const LAYOUT_TANGENT: u32 = 1;
 pub const LAYOUT_COLOR: u32 = 2;
 pub const LAYOUT_TEXCOORDS_SHIFT: u32 = 8;
 pub const INSTANCE_FLIPPED: u32 = 1;
+pub const INSTANCE_KEYS_SHIFT: u32 = 8;
+pub const INSTANCE_KEYS_MASK: u32 = 255;
 pub const LIGHT_POINT: u32 = 0;
 pub const LIGHT_SPOT: u32 = 1;
 pub const LIGHT_DIRECTIONAL: u32 = 2;
@@ -145,7 +147,7 @@ pub struct Triangle {
     pub reserved: u32,
 }
 
-/// A mesh placed in the world; the matrix is 3x4, by rows, and has an inverse.
+/// A mesh placed in the world, or a further key of one that moves; the matrix is 3x4, by rows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Instance {

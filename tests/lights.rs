@@ -325,7 +325,7 @@ fn a_black_map_weighs_nothing() {
     assert_eq!(packed.frame.light_weight_total, 0.0);
     assert_eq!(packed.frame.environment_weight, 0.0);
     assert_eq!(
-        light_sample(&packed, DVec3::ZERO, 0.3, DVec2::splat(0.4)).pdf,
+        light_sample(&packed, DVec3::ZERO, 0.3, DVec2::splat(0.4), 0.0).pdf,
         0.0
     );
     assert_eq!(environment_sample(&packed, DVec2::splat(0.4)).w, 0.0);
@@ -534,7 +534,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let p = queries[id.x][0].xyz;
     let u_pick = queries[id.x][0].w;
     let u = queries[id.x][1].xy;
-    let s = light_sample(p, u_pick, u);
+    let s = light_sample(p, u_pick, u, 0.0);
     answers[id.x] = array<vec4<f32>, 3>(vec4(s.wi, s.distance), vec4(s.Le, s.pdf),
         vec4(bitcast<f32>(s.delta), bitcast<f32>(light_pick(u_pick, u)),
             light_pdf_environment(s.wi), 0.0));
@@ -579,7 +579,7 @@ fn light_samples_agree_with_float64() {
         let pick = light_pick(&packed, q[3].into(), u);
         assert_eq!(answer.pick, pick, "at {q:?}");
         seen[pick as usize] += 1;
-        let s = light_sample(&packed, p, q[3].into(), u);
+        let s = light_sample(&packed, p, q[3].into(), u, 0.0);
         assert_eq!(answer.delta, s.delta);
         let Le = Vec3::from(answer.Le).as_dvec3();
         let wi = Vec3::from(answer.wi).as_dvec3();
@@ -629,7 +629,7 @@ fn a_samples_pdf_is_what_the_density_functions_say() {
         let (u_pick, x, y) = (uniform.unit(), uniform.unit(), uniform.unit());
         let u = DVec2::new(x.into(), y.into());
         let light = &packed.lights[light_pick(&packed, u_pick.into(), u) as usize];
-        let s = light_sample(&packed, p, u_pick.into(), u);
+        let s = light_sample(&packed, p, u_pick.into(), u, 0.0);
         let share = f64::from(light.weight) / f64::from(packed.frame.light_weight_total);
         let expected = match light.kind {
             LIGHT_ENVIRONMENT => {
@@ -683,7 +683,7 @@ fn irradiance(packed: &Packed, n: DVec3, samples: u32) -> (f64, f64) {
     for i in 0..samples {
         let mut rng = rng_init(UVec2::ZERO, i, 3);
         let u_pick = next_1d(&mut rng);
-        let s = light_sample(packed, DVec3::ZERO, u_pick, next_2d(&mut rng));
+        let s = light_sample(packed, DVec3::ZERO, u_pick, next_2d(&mut rng), 0.0);
         if s.pdf > 0.0 {
             let value = s.wi.dot(n).max(0.0) * s.Le.y / s.pdf;
             sum += value;
@@ -814,7 +814,7 @@ fn punctual_lights_fall_off_as_the_extension_says() {
     let mut packed = empty_packed();
     packed.lights.push(light);
     let packed = with_tables(packed);
-    let at = |x: f64| light_sample(&packed, DVec3::new(x, 0.0, 0.0), 0.5, DVec2::ZERO);
+    let at = |x: f64| light_sample(&packed, DVec3::new(x, 0.0, 0.0), 0.5, DVec2::ZERO, 0.0);
     assert!((at(0.0).Le - DVec3::new(3.0, 2.0, 1.0) / 16.0).length() < 1e-7);
     assert_eq!(
         (at(0.0).wi, at(0.0).distance, at(0.0).delta),

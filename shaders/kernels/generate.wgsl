@@ -22,6 +22,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     let u = next_2d(&rng);
     let position = vec2<f32>(pixel) + 0.5
         + vec2(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
+    // The path's time needs no place in its state: path_time gives it again.
     let ray = camera_ray(frame.camera, frame.film_size, position);
     store_path(slot, Path(ray, 0u, 1.0, true, vec3(1.0), 1.0, MEDIA_NONE, 0.0, rng));
     paths[plane(PLANE_RADIANCE, slot)] = bitcast<vec4<u32>>(vec4(0.0, 0.0, 0.0, 1.0));

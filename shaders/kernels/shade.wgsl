@@ -85,7 +85,7 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     if frame.light_weight_total > 0.0 && !bsdf_is_delta(bsdf) {
         rng.dimension = bounce_dimension(path.bounce, DIMENSION_LIGHT);
         let u_pick = next_1d(&rng);
-        let light = light_sample(surface.p, u_pick, next_2d(&rng));
+        let light = light_sample(surface.p, u_pick, next_2d(&rng), path.ray.time);
         let wi = to_local(surface.basis, light.wi);
         if light.pdf > 0.0 && sides_agree(wi, dot(light.wi, surface.ng)) {
             let eval = bsdf_eval(bsdf, wo, wi);
@@ -100,7 +100,7 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
             if any(L != vec3(0.0)) {
                 let origin = offset_origin(surface.p, surface.ng, light.wi, surface.p_error);
                 let t_max = light.distance * (1.0 - SHADOW_SHORTENING);
-                queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max), L, ior);
+                queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max, path.ray.time), L, ior);
             }
         }
     }
@@ -135,7 +135,7 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         path.pdf_bsdf = sample.pdf;
         path.delta = sample.delta != 0u;
         let origin = offset_origin(surface.p, surface.ng, wi, surface.p_error);
-        path.ray = Ray(origin, 0.0, wi, RAY_INFINITY);
+        path.ray = Ray(origin, 0.0, wi, RAY_INFINITY, path.ray.time);
     }
     path.bounce += 1u;
     store_path(slot, path);

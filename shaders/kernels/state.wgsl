@@ -8,6 +8,7 @@ import package::bindings::{frame};
 import package::ray::{Ray, Hit};
 import package::shared::{NONE};
 import package::rng::{Rng};
+import package::estimator::{path_time};
 import package::medium::{MEDIA_NONE};
 import package::variant::{MEDIA};
 
@@ -57,8 +58,10 @@ fn plane(which: u32, slot: u32) -> u32 {
 fn load_ray(slot: u32) -> Ray {
     let origin = paths[plane(PLANE_RAY_ORIGIN, slot)];
     let direction = paths[plane(PLANE_RAY_DIRECTION, slot)];
-    let t_min = bitcast<f32>(paths[plane(PLANE_RNG, slot)].w);
-    return Ray(bitcast<vec3<f32>>(origin.xyz), t_min, bitcast<vec3<f32>>(direction.xyz), RAY_INFINITY);
+    let rng = paths[plane(PLANE_RNG, slot)];
+    return Ray(
+        bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(rng.w), bitcast<vec3<f32>>(direction.xyz), RAY_INFINITY,
+        path_time(Rng(rng.y, rng.z, 0u)));
 }
 
 fn load_path(slot: u32) -> Path {
@@ -72,7 +75,7 @@ fn load_path(slot: u32) -> Path {
         media = paths[plane(PLANE_MEDIA, slot)];
     }
     return Path(
-        Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(rng.w), bitcast<vec3<f32>>(direction.xyz), RAY_INFINITY),
+        load_ray(slot),
         origin.w, abs(pdf), pdf < 0.0, beta.xyz, beta.w, media.xyz, bitcast<f32>(media.w), Rng(rng.y, rng.z, 0u),
     );
 }

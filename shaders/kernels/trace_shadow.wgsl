@@ -5,7 +5,7 @@ import package::kernels::state::{add_radiance, counters, paths, plane, COUNTER_S
 import package::ray::{Ray};
 import package::bindings::{frame};
 import package::visibility::{visibility};
-import package::estimator::{ray_alpha_seed};
+import package::estimator::{path_time, ray_alpha_seed};
 import package::rng::{Rng};
 
 @compute @workgroup_size(WORKGROUP)
@@ -19,9 +19,10 @@ fn trace_shadow_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     let rng = paths[plane(PLANE_RNG, slot)];
     // The bounce at which the shadow ray was made; the path itself is one further by now.
     let bounce = paths[plane(PLANE_SHADOW_DIRECTION, slot)].w;
-    let seed = ray_alpha_seed(Rng(rng.y, rng.z, 0u), 2u * bounce + 1u);
+    let path_rng = Rng(rng.y, rng.z, 0u);
+    let seed = ray_alpha_seed(path_rng, 2u * bounce + 1u);
     let light = bitcast<vec4<f32>>(paths[plane(PLANE_SHADOW_LIGHT, slot)]);
-    let ray = Ray(origin.xyz, 0.0, direction, origin.w);
+    let ray = Ray(origin.xyz, 0.0, direction, origin.w, path_time(path_rng));
     let passed = visibility(ray, light.w, frame.max_depth - 1u - bounce, seed);
     if any(passed > vec3(0.0)) {
         add_radiance(slot, light.xyz * passed);

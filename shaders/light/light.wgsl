@@ -6,7 +6,7 @@ import package::math::{normalize_accurate};
 import package::sample::{sample_triangle};
 import package::light::environment::{Le_environment, environment_sample, environment_pdf};
 import package::light::punctual::{irradiance_punctual};
-import package::light::triangle::{light_normal, Le_triangle, cos_emission};
+import package::light::triangle::{light_at, light_normal, Le_triangle, cos_emission};
 import package::bindings::{frame, lights, triangles, materials};
 
 // How far a light without a place is, metres: beyond every scene, and its square is finite.
@@ -53,13 +53,13 @@ fn light_pdf_triangle(emission_weight: f32, distance: f32, cos_light: f32) -> f3
     return emission_weight / frame.light_weight_total * distance * distance / cos_light;
 }
 
-// A direction to a light from p, not yet tested for what stands between.
-fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>) -> LightSample {
+// A direction from p to where a light is at `time`, not yet tested for what stands between.
+fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSample {
     var result = LightSample(vec3<f32>(0.0), 0.0, vec3<f32>(0.0), 0.0, 0u);
     if frame.light_count == 0u || frame.light_weight_total <= 0.0 {
         return result;
     }
-    let light = lights[light_pick(u_pick, u)];
+    var light = lights[light_pick(u_pick, u)];
     if light.kind == LIGHT_ENVIRONMENT {
         let direction_pdf = environment_sample(u);
         result.wi = direction_pdf.xyz;
@@ -76,6 +76,9 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>) -> LightSample {
         result.delta = 1u;
         return result;
     }
+    if light.kind == LIGHT_TRIANGLE {
+        light = light_at(light, time);
+    }
     var target_point = light.position;
     let barycentrics = sample_triangle(u);
     if light.kind == LIGHT_TRIANGLE {
@@ -89,7 +92,7 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>) -> LightSample {
     result.wi = normalize_accurate(to_light);
     result.distance = distance;
     if light.kind == LIGHT_TRIANGLE {
-        let cos_light = cos_emission(light, -dot(result.wi, light_normal(light)));
+        let cos_light = cos_emission(light, -dot(result.wi, light_normal(light, time)));
         let emission_weight = materials[triangles[light.triangle].material].emission_weight;
         result.pdf = light_pdf_triangle(emission_weight, distance, cos_light);
         if result.pdf > 0.0 {

@@ -3,7 +3,7 @@
 use super::alpha::is_visible;
 use super::intersect::{intersect_node, intersect_triangle, local_ray};
 use super::ray::{Hit, Ray};
-use super::transform::{normal_matrix, transform_translation};
+use super::transform::{instance_at, normal_matrix, transform_translation, vector_in_object};
 use crate::bvh::STACK_SIZE;
 use crate::pack::Packed;
 use crate::shared::NONE;
@@ -76,11 +76,14 @@ pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
                 }
                 mesh_floor = Some(stack_size);
                 instance = leaves.x + place;
-                let entered = &packed.instances[instance as usize];
+                let entered = instance_at(packed, instance, ray.time);
                 let rows = entered.world_from_object;
-                let inverse = normal_matrix(rows).transpose();
+                let N = normal_matrix(rows);
                 let origin = ray.origin - transform_translation(rows);
-                local = local_ray(inverse * origin, inverse * ray.direction);
+                local = local_ray(
+                    vector_in_object(rows, N, origin),
+                    vector_in_object(rows, N, ray.direction),
+                );
                 first_triangle = entered.first_triangle;
                 inner = UVec2::new(entered.root, 0x8000_0000);
             }

@@ -22,6 +22,7 @@ pub fn camera_ray(camera: &Camera, film_size: UVec2, position: DVec2) -> Ray {
             t_min: near,
             direction: forward,
             t_max: CAMERA_FAR,
+            time: 0.0,
         };
     }
     let direction = forward + across;
@@ -32,5 +33,6 @@ pub fn camera_ray(camera: &Camera, film_size: UVec2, position: DVec2) -> Ray {
         t_min: near * length,
         direction: direction / length,
         t_max: CAMERA_FAR,
+        time: 0.0,
     }
 }

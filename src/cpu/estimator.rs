@@ -1,9 +1,10 @@
 //! Twin of `shaders/estimator.wgsl`: weights, roulette, and which random dimension goes where.
 
-use super::rng::{Rng, hash_combine};
+use super::rng::{Rng, hash_combine, next_1d};
 use glam::DVec3;
 
 pub const DIMENSION_PIXEL: u32 = 0;
+pub const DIMENSION_TIME: u32 = u32::MAX;
 pub const DIMENSION_BOUNCE: u32 = 1;
 pub const DIMENSIONS_PER_BOUNCE: u32 = 8;
 pub const DIMENSION_LIGHT: u32 = 0;
@@ -34,6 +35,14 @@ pub fn roulette_probability(beta: DVec3, eta_scale: f64) -> f64 {
 
 pub fn bounce_dimension(bounce: u32, draw: u32) -> u32 {
     DIMENSION_BOUNCE + bounce * DIMENSIONS_PER_BOUNCE + draw
+}
+
+/// When the shutter is open for a path: the same for all its rays.
+pub fn path_time(rng: Rng) -> f64 {
+    next_1d(&mut Rng {
+        dimension: DIMENSION_TIME,
+        ..rng
+    })
 }
 
 /// The seed of the opacity decisions along one ray of a path: `ray` is 2 * bounce for the path's

@@ -104,7 +104,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
         if frame.light_weight_total > 0.0 && !bsdf_is_delta(&bsdf) {
             rng.dimension = bounce_dimension(bounce, DIMENSION_LIGHT);
             let u_pick = next_1d(rng);
-            let light = light_sample(packed, surface.p, u_pick, next_2d(rng));
+            let light = light_sample(packed, surface.p, u_pick, next_2d(rng), ray.time);
             let wi = to_local(surface.basis, light.wi);
             if light.pdf > 0.0 && sides_agree(wi, light.wi.dot(surface.ng)) {
                 let eval = bsdf_eval(&packed.tables, &bsdf, wo, wi);
@@ -124,6 +124,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
                     t_min: 0.0,
                     direction: light.wi,
                     t_max: light.distance * (1.0 - SHADOW_SHORTENING),
+                    time: ray.time,
                 };
                 if Ld != DVec3::ZERO {
                     counts.shadow_rays += 1;
@@ -174,6 +175,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
             t_min: 0.0,
             direction: wi,
             t_max: f64::INFINITY,
+            time: ray.time,
         };
     }
     (L, 1.0)
@@ -205,7 +207,8 @@ pub fn pixel_sample(
     let position = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]))
         + 0.5
         + DVec2::new(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
-    let ray = camera_ray(&frame.camera, frame.film_size.into(), position);
+    let mut ray = camera_ray(&frame.camera, frame.film_size.into(), position);
+    ray.time = path_time(rng);
     Li(packed, ray, &mut rng, counts)
 }
 

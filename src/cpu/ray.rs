@@ -9,6 +9,8 @@ pub struct Ray {
     /// Unit length in world space.
     pub direction: DVec3,
     pub t_max: f64,
+    /// In [0, 1) from when the shutter opens to when it closes.
+    pub time: f64,
 }
 
 /// Where a ray met a triangle: the point is `p0 + u e1 + v e2`.

@@ -4,10 +4,12 @@ use super::attributes::{attribute_color, attribute_normal, attribute_tangent, at
 use super::math::{Basis, basis_from_tangent, normalize_accurate, to_local, to_world};
 use super::ray::{Hit, Ray};
 use super::texture::texture_sample;
-use super::transform::{inverse_error, normal_matrix, transform_point, transform_vector};
+use super::transform::{
+    PlacedInstance, instance_at, inverse_error, normal_matrix, transform_point, transform_vector,
+};
 use crate::pack::Packed;
-use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Texture, Triangle};
-use glam::{DVec2, DVec3, DVec4, Vec3, Vec4};
+use crate::shared::{INSTANCE_FLIPPED, NONE, Texture, Triangle};
+use glam::{DVec2, DVec3, DVec4, Vec3};
 
 /// In world space; `wo` is against the ray.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +44,7 @@ pub const MIN_COS_SHADING: f64 = 1e-3;
 
 /// Normal of the front face in world space, unit length. A mirroring transform turns the winding
 /// round, and the front with it (glTF 2.0 section 3.7.4).
-pub fn geometric_normal(triangle: &Triangle, instance: &Instance) -> DVec3 {
+pub fn geometric_normal(triangle: &Triangle, instance: &PlacedInstance) -> DVec3 {
     let edge =
         |e: [f32; 3]| transform_vector(instance.world_from_object, Vec3::from_array(e).as_dvec3());
     let n = normalize_accurate(edge(triangle.e1).cross(edge(triangle.e2)));
@@ -58,16 +60,16 @@ pub fn geometric_normal(triangle: &Triangle, instance: &Instance) -> DVec3 {
 pub fn position_error(
     packed: &Packed,
     triangle: &Triangle,
-    instance: &Instance,
+    instance: &PlacedInstance,
     p: DVec3,
     ng: DVec3,
 ) -> f64 {
     let size = |v: [f32; 3]| Vec3::from_array(v).as_dvec3().abs();
     let reach = size(triangle.p0) + size(triangle.e1) + size(triangle.e2);
     let rows = instance.world_from_object;
-    let placed = rows.map(|row| Vec4::from_array(row).as_dvec4().abs().dot(reach.extend(1.0)));
+    let placed = rows.map(|row| row.abs().dot(reach.extend(1.0)));
     let extent = p.abs() + DVec3::from_array(placed);
-    let terms = ng.abs().dot(extent) + inverse_error(rows, reach, ng);
+    let terms = ng.abs().dot(extent) + inverse_error(rows, reach, ng, SURFACE_ROUNDING);
     f64::from(packed.frame.ray_offset_floor).max(SURFACE_ROUNDING * terms)
 }
 
@@ -121,7 +123,7 @@ pub fn mapped_normal(
 /// The hit of `ray`; not for a miss.
 pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
     let triangle = &packed.triangles[hit.triangle as usize];
-    let instance = &packed.instances[hit.instance as usize];
+    let instance = instance_at(packed, hit.instance, ray.time);
     let barycentrics = DVec2::new(hit.u, hit.v);
     let wo = -ray.direction;
 
@@ -130,15 +132,14 @@ pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
     let rows = instance.world_from_object;
     let p = transform_point(rows, local);
 
-    let n_front = geometric_normal(triangle, instance);
+    let n_front = geometric_normal(triangle, &instance);
     let front = n_front.dot(wo) >= 0.0;
     let side = if front { 1.0 } else { -1.0 };
 
     // The front's shading normal. One that points behind its own face is taken for a mistake of
     // orientation; one of no length, as the geometric normal.
-    let mut n = normalize_accurate(
-        normal_matrix(rows) * attribute_normal(packed, triangle, barycentrics),
-    );
+    let mut n =
+        normalize_accurate(normal_matrix(rows) * attribute_normal(packed, triangle, barycentrics));
     if n == DVec3::ZERO {
         n = n_front;
     }
@@ -195,7 +196,7 @@ pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
     }
     Surface {
         p,
-        p_error: position_error(packed, triangle, instance, p, n_front),
+        p_error: position_error(packed, triangle, &instance, p, n_front),
         ng: n_front * side,
         front,
         basis,

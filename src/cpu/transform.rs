@@ -1,35 +1,95 @@
-//! Where instances stand: their matrices' rows, and the way back into an object's space.
+//! Where instances are: their matrices' rows at a time, and the way back into an object's space.
 //!
 //! Only `world_from_object` is stored. Its inverse is made where a ray enters an instance: an instance
-//! stays at 64 bytes, and a moving one has no stored inverse anyway.
+//! stays at 64 bytes, and of a moving one there is none to store.
 
-use glam::{DMat3, DVec3, Vec4};
+use crate::pack::Packed;
+use crate::shared::{INSTANCE_FLIPPED, INSTANCE_KEYS_MASK, INSTANCE_KEYS_SHIFT, Instance};
+use glam::{DMat3, DVec3, DVec4};
+
+/// Rows of a matrix, in float64 what `Instance` holds in float32.
+pub type Rows = [DVec4; 3];
+
+/// An instance at a moment.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedInstance {
+    pub world_from_object: Rows,
+    pub root: u32,
+    pub first_triangle: u32,
+    pub flags: u32,
+}
+
+/// The instance as it is at `time`, in [0, 1] of the shutter's opening.
+pub fn instance_at(packed: &Packed, number: u32, time: f64) -> PlacedInstance {
+    let instance = &packed.instances[number as usize];
+    let mut placed = PlacedInstance {
+        world_from_object: matrix_rows(instance),
+        root: instance.root,
+        first_triangle: instance.first_triangle,
+        flags: instance.flags,
+    };
+    let keys = (instance.flags >> INSTANCE_KEYS_SHIFT) & INSTANCE_KEYS_MASK;
+    if keys == 0 {
+        return placed;
+    }
+    let further = |key: u32| matrix_rows(&packed.instances[(instance.motion + key) as usize]);
+    let place = time * f64::from(keys);
+    let key = (place as u32).min(keys - 1);
+    let part = place - f64::from(key);
+    if key > 0 {
+        placed.world_from_object = further(key - 1);
+    }
+    let next = further(key);
+    for (row, next) in placed.world_from_object.iter_mut().zip(next) {
+        *row = row.lerp(next, part);
+    }
+    // Keys may mirror each other: the sign is that of the matrix in between.
+    let flipped = determinant_sign(placed.world_from_object) < 0.0;
+    placed.flags = if flipped { INSTANCE_FLIPPED } else { 0 };
+    placed
+}
+
+/// Of the linear part: 1, -1, or 0 where it has no inverse.
+pub fn determinant_sign(rows: Rows) -> f64 {
+    let [x, y, z] = rows.map(DVec4::truncate);
+    let determinant = x.dot(y.cross(z));
+    if determinant == 0.0 {
+        0.0
+    } else {
+        determinant.signum()
+    }
+}
+
+// cpu only: the shader's are of one precision.
+fn matrix_rows(instance: &Instance) -> Rows {
+    instance
+        .world_from_object
+        .map(|row| DVec4::from_array(row.map(f64::from)))
+}
 
 /// Rows times a point; the fourth column is the translation.
-pub fn transform_point(rows: [[f32; 4]; 3], p: DVec3) -> DVec3 {
+pub fn transform_point(rows: Rows, p: DVec3) -> DVec3 {
     transform_vector(rows, p) + transform_translation(rows)
 }
 
 /// Rows times a direction.
-pub fn transform_vector(rows: [[f32; 4]; 3], v: DVec3) -> DVec3 {
-    let product = rows.map(|row| Vec4::from_array(row).as_dvec4().truncate().dot(v));
-    DVec3::from_array(product)
+pub fn transform_vector(rows: Rows, v: DVec3) -> DVec3 {
+    DVec3::from_array(rows.map(|row| row.truncate().dot(v)))
 }
 
-pub fn transform_translation(rows: [[f32; 4]; 3]) -> DVec3 {
-    DVec3::from_array(rows.map(|row| f64::from(row[3])))
+pub fn transform_translation(rows: Rows) -> DVec3 {
+    DVec3::from_array(rows.map(|row| row.w))
 }
 
 /// The columns of the linear part.
 // cpu only: the shader scales them at once.
-pub fn columns(rows: [[f32; 4]; 3]) -> [DVec3; 3] {
-    [0, 1, 2].map(|column| DVec3::from_array(rows.map(|row| f64::from(row[column]))))
+pub fn columns(rows: Rows) -> [DVec3; 3] {
+    [0, 1, 2].map(|column| DVec3::from_array(rows.map(|row| row[column])))
 }
 
 /// The linear part's inverse, transposed: its columns are the inverse's rows, by cofactors. `N * n`
-/// takes a normal into the world (keeps the side, not the length), its transpose a direction into the
-/// object's space.
-pub fn normal_matrix(rows: [[f32; 4]; 3]) -> DMat3 {
+/// takes a normal into the world; it keeps the side, not the length.
+pub fn normal_matrix(rows: Rows) -> DMat3 {
     let [x, y, z] = columns(rows);
     let factor = x.dot(y.cross(z)).recip();
     DMat3::from_cols(
@@ -39,21 +99,28 @@ pub fn normal_matrix(rows: [[f32; 4]; 3]) -> DMat3 {
     )
 }
 
-/// A bound, along the world's unit normal `ng` and in metres, on how far float32's rounding shifts a ray
-/// that `normal_matrix` takes into an object's space, while the ray is near a triangle of that object.
-/// `reach`: the largest absolute coordinates of the triangle in the object; in units of rounding. The
-/// derivation stands in the shader.
-pub fn inverse_error(rows: [[f32; 4]; 3], reach: DVec3, ng: DVec3) -> f64 {
-    let [x, y, z] = columns(rows);
-    let w = x.abs() * reach.x + y.abs() * reach.y + z.abs() * reach.z;
-    let minors = DVec3::new(
-        cross_sums(y.abs(), z.abs()).dot(w),
-        cross_sums(z.abs(), x.abs()).dot(w),
-        cross_sums(x.abs(), y.abs()).dot(w),
-    );
-    let along = DVec3::new(ng.dot(x), ng.dot(y), ng.dot(z)).abs();
-    let determinant_sums = x.abs().dot(cross_sums(y.abs(), z.abs()));
-    (along.dot(minors) + determinant_sums * ng.abs().dot(w)) / x.dot(y.cross(z)).abs()
+/// A vector of the world in the object's space: `N` is the rows' `normal_matrix`.
+pub fn vector_in_object(rows: Rows, N: DMat3, v: DVec3) -> DVec3 {
+    let first = N.transpose() * v;
+    first + N.transpose() * (v - transform_vector(rows, first))
+}
+
+/// What the inverse's own rounding in float32 adds to the shift, along the world's unit normal `ng` and
+/// in metres, of a ray that `vector_in_object` takes to a triangle of the object. `reach`: the triangle's
+/// largest absolute coordinates there. `rounding`: of a sum of products in float32, and the unit of the
+/// result. The derivation stands in the shader.
+pub fn inverse_error(rows: Rows, reach: DVec3, ng: DVec3, rounding: f64) -> f64 {
+    let columns = columns(rows);
+    let [x, y, z] = columns.map(DVec3::abs);
+    let minors = [cross_sums(y, z), cross_sums(z, x), cross_sums(x, y)];
+    let determinant = columns[0].dot(columns[1].cross(columns[2])).abs();
+    let D = x.dot(minors[0]) / determinant;
+    let through = |w: DVec3| DVec3::from_array(minors.map(|minor| minor.dot(w) / determinant));
+    let w = x * reach.x + y * reach.y + z * reach.z;
+    let shift = through(w);
+    let r = rounding * (x * shift.x + y * shift.y + z * shift.z + D * w);
+    let along = DVec3::from_array(columns.map(|column| ng.dot(column).abs()));
+    along.dot(through(r)) + D * ng.abs().dot(r)
 }
 
 /// The cross product with plus for minus.

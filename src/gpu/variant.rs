@@ -35,6 +35,7 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, Value)> {
         })
     };
     vec![
+        ("MOTION", Value::Bool(packed.moves())),
         ("TEST_ALPHA", Value::Bool(packed.frame.has_alpha != 0)),
         ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),
         ("DISPERSION", some(|m| m.dispersion > 0.0)),

@@ -3,8 +3,10 @@
 use super::mesh::{self, PackedMesh};
 use super::{PackError, check_depth, check_extent, index};
 use crate::bvh::{self, Bounds};
-use crate::scene::{Mesh, Scene};
-use crate::shared::{INSTANCE_FLIPPED, Instance, NONE, Triangle};
+use crate::scene::{self, Mesh, Scene};
+use crate::shared::{
+    INSTANCE_FLIPPED, INSTANCE_KEYS_MASK, INSTANCE_KEYS_SHIFT, Instance, NONE, Triangle,
+};
 use glam::{DAffine3, DVec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -18,7 +20,7 @@ pub struct Geometry {
     pub triangles: Vec<Triangle>,
     pub vertices: Vec<f32>,
     pub instances: Vec<Instance>,
-    /// The triangles of each instance.
+    /// The triangles of each placed instance; `instances` has the further keys of those that move as well.
     pub ranges: Vec<Range<u32>>,
     /// `NONE`: there is nothing to hit.
     pub root: u32,
@@ -62,16 +64,22 @@ pub fn pack_geometry(
         let Some(mesh) = &meshes[instance.mesh] else {
             continue;
         };
-        let world_from_object = DAffine3 {
-            matrix3: instance.world_from_object.matrix3.as_dmat3(),
-            translation: instance.world_from_object.translation.as_dvec3(),
-        };
-        if !is_invertible(world_from_object) {
+        if instance.motion.len() > INSTANCE_KEYS_MASK as usize {
+            return Err(PackError::TooManyKeys {
+                node: instance.node,
+                keys: instance.motion.len(),
+            });
+        }
+        // What moves is there at some time if it is there at one of its keys.
+        if !keys(instance).any(is_invertible) {
             continue;
         }
-        let bounds = transform_bounds(world_from_object, mesh.bounds);
+        // Between keys a point goes straight from one to the next, so it stays in the box of both.
+        let bounds = keys(instance)
+            .map(|key| transform_bounds(key, mesh.bounds))
+            .fold(Bounds::EMPTY, Bounds::union);
         check_extent(bounds, || format!("the mesh of nodes[{}]", instance.node))?;
-        placed.push((instance, world_from_object));
+        placed.push(instance);
         boxes.push(bounds);
     }
     let top = check_depth(bvh::build(&boxes), || "the nodes".to_owned())?;
@@ -91,25 +99,56 @@ pub fn pack_geometry(
             None => Ok(None),
         })
         .collect::<Result<Vec<_>, _>>()?;
+    let count = index("instances", placed.len())? as usize;
+    let mut further = Vec::new();
+    geometry.instances.reserve_exact(count);
+    geometry.ranges.reserve_exact(count);
     for &leaf in &top.order {
-        let (instance, world_from_object) = placed[leaf as usize];
+        let instance = placed[leaf as usize];
         let (root, range) = starts[instance.mesh]
             .clone()
             .expect("a placed instance's mesh was packed");
-        let flipped = world_from_object.matrix3.determinant() < 0.0;
-        geometry.instances.push(Instance {
-            world_from_object: rows(world_from_object),
-            root,
-            first_triangle: range.start,
-            flags: if flipped { INSTANCE_FLIPPED } else { 0 },
-            motion: 0,
-        });
+        let entry = |world_from_object: DAffine3, flags: u32, motion: u32| {
+            let flipped = world_from_object.matrix3.determinant() < 0.0;
+            Instance {
+                world_from_object: rows(world_from_object),
+                root,
+                first_triangle: range.start,
+                flags: flags | if flipped { INSTANCE_FLIPPED } else { 0 },
+                motion,
+            }
+        };
+        let first = index("instances", count + further.len() + instance.motion.len())?
+            - instance.motion.len() as u32;
+        let mut keys = keys(instance);
+        let flags = (instance.motion.len() as u32) << INSTANCE_KEYS_SHIFT;
+        geometry
+            .instances
+            .extend(keys.next().map(|key| entry(key, flags, first)));
+        further.extend(keys.map(|key| entry(key, 0, 0)));
         geometry.ranges.push(range);
     }
+    geometry.instances.append(&mut further);
     Ok(geometry)
 }
 
+/// Where an instance is when the shutter opens and at its further keys.
+fn keys(instance: &scene::Instance) -> impl Iterator<Item = DAffine3> + '_ {
+    let all = std::iter::once(&instance.world_from_object).chain(&instance.motion);
+    all.map(|key| DAffine3 {
+        matrix3: key.matrix3.as_dmat3(),
+        translation: key.translation.as_dvec3(),
+    })
+}
+
 impl Geometry {
+    /// Where a placed instance is later than when the shutter opens.
+    pub fn further_keys(&self, instance: &Instance) -> &[Instance] {
+        let first = instance.motion as usize;
+        let keys = (instance.flags >> INSTANCE_KEYS_SHIFT) & INSTANCE_KEYS_MASK;
+        &self.instances[first..first + keys as usize]
+    }
+
     /// Copies a mesh to the end of the arrays; gives its root and its triangles.
     fn append(&mut self, mesh: &PackedMesh) -> Result<(u32, Range<u32>), PackError> {
         let root = index("nodes", self.nodes.len() + mesh.hierarchy.nodes.len())?;

@@ -12,9 +12,9 @@ pub mod texture;
 use crate::bvh::{Bounds, Hierarchy, MAX_DEPTH};
 use crate::scene::{self, Scene};
 use crate::shared::{
-    BACKGROUND_COLOR, BACKGROUND_ENVIRONMENT, BACKGROUND_TRANSPARENT, Frame, Instance, Light,
-    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_EMISSIVE, MATERIAL_THIN_WALLED, Material,
-    NONE, Tables, Triangle,
+    BACKGROUND_COLOR, BACKGROUND_ENVIRONMENT, BACKGROUND_TRANSPARENT, Frame, INSTANCE_KEYS_MASK,
+    INSTANCE_KEYS_SHIFT, Instance, Light, MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK,
+    MATERIAL_EMISSIVE, MATERIAL_THIN_WALLED, Material, NONE, Tables, Triangle,
 };
 use crate::tables::{Needs, tables_for};
 use bytemuck::Zeroable;
@@ -31,7 +31,7 @@ pub struct Packed {
     /// CWBVH nodes, five words of 16 bytes each, of all hierarchies.
     pub nodes: Vec<[u32; 4]>,
     pub triangles: Vec<Triangle>,
-    /// In the order of the top-level hierarchy's leaves.
+    /// In the order of the top-level hierarchy's leaves; behind them the further keys of those that move.
     pub instances: Vec<Instance>,
     /// Words of f32: see `LAYOUT_*`; three words of normal come first in each vertex.
     pub vertices: Vec<f32>,
@@ -46,6 +46,12 @@ pub struct Packed {
 }
 
 impl Packed {
+    /// Whether something moves while the shutter is open.
+    pub fn moves(&self) -> bool {
+        let keys = |instance: &Instance| instance.flags >> INSTANCE_KEYS_SHIFT;
+        self.instances.iter().any(|instance| keys(instance) != 0)
+    }
+
     /// The arrays that kernels bind as storage buffers, by name and in the order of their bindings
     /// (shaders/bindings.wgsl, from 2 on), as bytes.
     pub fn arrays(&self) -> [(&'static str, &[u8]); 7] {
@@ -100,6 +106,11 @@ pub enum PackError {
         limit = MAX_DEPTH
     )]
     TooDeep { what: String, depth: usize },
+    #[error(
+        "the mesh of nodes[{node}] has {keys} steps of motion, and an instance holds {limit}; use a shorter shutter",
+        limit = INSTANCE_KEYS_MASK
+    )]
+    TooManyKeys { node: usize, keys: usize },
     #[error("material \"{material}\": {source}")]
     Model {
         material: String,
@@ -247,29 +258,53 @@ fn gather_lights(
     environment: Option<&PackedEnvironment>,
 ) -> Vec<Light> {
     let mut all: Vec<Light> = scene.lights.iter().map(lights::punctual_light).collect();
+    // Of the meshes, not of their instances, of which there may be millions.
+    let shines = |&index: &u32| {
+        let material = geometry.triangles[index as usize].material;
+        materials[material as usize].flags & MATERIAL_EMISSIVE != 0
+    };
+    let shining: Vec<u32> = (0..geometry.triangles.len() as u32)
+        .filter(shines)
+        .collect();
     for (number, (instance, range)) in geometry.instances.iter().zip(&geometry.ranges).enumerate() {
-        let rows = instance.world_from_object.map(Vec4::from_array);
-        let place = |p: Vec3| {
-            Vec3::from_array(rows.map(|row| row.as_dvec4().dot(p.extend(1.0).as_dvec4()) as f32))
-        };
-        for index in range.clone() {
+        let first = shining.partition_point(|&index| index < range.start);
+        for &index in shining[first..]
+            .iter()
+            .take_while(|&index| *index < range.end)
+        {
             let triangle = &geometry.triangles[index as usize];
             let material = &materials[triangle.material as usize];
-            if material.flags & MATERIAL_EMISSIVE == 0 {
-                continue;
-            }
             let p0 = Vec3::from_array(triangle.p0);
             let corners = [
                 p0,
                 p0 + Vec3::from_array(triangle.e1),
                 p0 + Vec3::from_array(triangle.e2),
             ];
-            let light = lights::triangle_light(
-                corners.map(place),
-                material.emissive,
-                material.emission_weight,
-                index,
-                number as u32,
+            let at_key = |instance: &Instance| {
+                let rows = instance.world_from_object.map(Vec4::from_array);
+                let place = |p: Vec3| {
+                    let p = p.extend(1.0).as_dvec4();
+                    Vec3::from_array(rows.map(|row| row.as_dvec4().dot(p) as f32))
+                };
+                lights::triangle_light(
+                    corners.map(place),
+                    material.emissive,
+                    material.emission_weight,
+                    index,
+                    number as u32,
+                )
+            };
+            // A moving one is in the table as it is where it is largest: as long as it has an area
+            // at some key, it can be chosen.
+            let light = geometry.further_keys(instance).iter().map(at_key).fold(
+                at_key(instance),
+                |most, light| {
+                    if light.weight > most.weight {
+                        light
+                    } else {
+                        most
+                    }
+                },
             );
             all.extend((light.weight > 0.0).then_some(light));
         }

@@ -12,6 +12,8 @@ pub struct RayQuery {
     pub t_min: f32,
     pub direction: [f32; 3],
     pub t_max: f32,
+    pub time: f32,
+    pub reserved: [f32; 3],
 }
 
 /// From `origin` without end; `direction` is of unit length.
@@ -21,6 +23,8 @@ pub fn query(origin: Vec3, direction: Vec3) -> RayQuery {
         t_min: 0.0,
         direction: direction.to_array(),
         t_max: 1e30,
+        time: 0.0,
+        reserved: [0.0; 3],
     }
 }
 
@@ -35,5 +39,6 @@ pub fn ray(query: &RayQuery) -> Ray {
         t_min: f64::from(query.t_min),
         direction: Vec3::from_array(query.direction).as_dvec3(),
         t_max: f64::from(query.t_max),
+        time: f64::from(query.time),
     }
 }

@@ -199,6 +199,7 @@ fn only_smooth_walls_let_chosen_light_through() {
         t_min: 0.0,
         direction: DVec3::new(0.6, 0.0, -0.8),
         t_max: 5.0,
+        time: 0.0,
     };
     let through = |scene: &dyn Fn(&mut Stage)| {
         let mut stage = Stage::default();

@@ -2,7 +2,7 @@
 
 use crate::cpu::light::environment::{Le_environment, environment_pdf, environment_sample};
 use crate::cpu::light::punctual::irradiance_punctual;
-use crate::cpu::light::triangle::{Le_triangle, cos_emission, light_normal};
+use crate::cpu::light::triangle::{Le_triangle, cos_emission, light_at, light_normal};
 use crate::cpu::math::normalize_accurate;
 use crate::cpu::rng::hash_combine;
 use crate::cpu::sample::sample_triangle;
@@ -64,8 +64,8 @@ pub fn light_pdf_triangle(
     emission_weight / f64::from(packed.frame.light_weight_total) * distance * distance / cos_light
 }
 
-/// A direction to a light from p, not yet tested for what stands between.
-pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2) -> LightSample {
+/// A direction from p to where a light is at `time`, not yet tested for what stands between.
+pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2, time: f64) -> LightSample {
     let mut result = LightSample {
         wi: DVec3::ZERO,
         distance: 0.0,
@@ -94,12 +94,14 @@ pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2) -> LightSa
         result.delta = 1;
         return result;
     }
-    let mut target_point = Vec3::from(light.position).as_dvec3();
     let barycentrics = sample_triangle(u);
-    if light.kind == LIGHT_TRIANGLE {
-        target_point += barycentrics.x * Vec3::from(light.direction).as_dvec3()
-            + barycentrics.y * Vec3::from(light.edge2).as_dvec3();
-    }
+    let triangle = (light.kind == LIGHT_TRIANGLE).then(|| light_at(packed, light, time));
+    let target_point = match &triangle {
+        Some(light) => {
+            light.position + barycentrics.x * light.direction + barycentrics.y * light.edge2
+        }
+        None => Vec3::from(light.position).as_dvec3(),
+    };
     let to_light = target_point - p;
     let distance = to_light.length();
     if distance == 0.0 {
@@ -107,8 +109,12 @@ pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2) -> LightSa
     }
     result.wi = normalize_accurate(to_light);
     result.distance = distance;
-    if light.kind == LIGHT_TRIANGLE {
-        let cos_light = cos_emission(packed, light, -result.wi.dot(light_normal(packed, light)));
+    if let Some(light) = &triangle {
+        let cos_light = cos_emission(
+            packed,
+            light,
+            -result.wi.dot(light_normal(packed, light, time)),
+        );
         let material = packed.triangles[light.triangle as usize].material;
         let emission_weight = f64::from(packed.materials[material as usize].emission_weight);
         result.pdf = light_pdf_triangle(packed, emission_weight, distance, cos_light);
