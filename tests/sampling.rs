@@ -431,8 +431,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&queries) { return; }
     answers[id.x] = camera_ray(queries[id.x].camera, vec2<u32>(640u, 480u), queries[id.x].position.xy);
 }";
-    let answers = common::run(root, &[&bytes], COUNT * 32, COUNT as u32);
-    let answers: Vec<[f32; 8]> = bytemuck::pod_collect_to_vec(&answers);
+    let answers = common::run(root, &[&bytes], COUNT * 48, COUNT as u32);
+    let answers: Vec<[f32; 12]> = bytemuck::pod_collect_to_vec(&answers);
     for ((camera, [x, y, ..]), a) in queries.iter().zip(&answers) {
         let position = DVec2::new((*x).into(), (*y).into());
         let ray = camera_ray(camera, UVec2::new(640, 480), position);
