@@ -124,6 +124,7 @@ pub enum PackError {
 pub struct Packer {
     meshes: geometry::KnownMeshes,
     images: texture::KnownImages,
+    tables: Option<(Needs, Box<Tables>)>,
 }
 
 impl Packer {
@@ -147,9 +148,13 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
 }
 
 fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<Packed, PackError> {
-    let (meshes, images) = match packer {
-        Some(packer) => (Some(&mut packer.meshes), Some(&mut packer.images)),
-        None => (None, None),
+    let (meshes, images, known_tables) = match packer {
+        Some(packer) => (
+            Some(&mut packer.meshes),
+            Some(&mut packer.images),
+            Some(&mut packer.tables),
+        ),
+        None => (None, None, None),
     };
     let textures = texture::Textures::gather(scene, images)?;
     let materials = scene
@@ -213,7 +218,7 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
     }
     Ok(Packed {
         frame,
-        tables: tables_for(needs(&materials)),
+        tables: tables(needs(&materials), known_tables),
         nodes: geometry.nodes,
         triangles: geometry.triangles,
         instances: geometry.instances,
@@ -224,6 +229,21 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         environment: texels_of_environment,
         environment_cells: cells_of_environment,
     })
+}
+
+/// Those that are known, where they hold what is needed: to make them takes longer than a small picture.
+fn tables(needs: Needs, known: Option<&mut Option<(Needs, Box<Tables>)>>) -> Box<Tables> {
+    let Some(known) = known else {
+        return tables_for(needs);
+    };
+    match known {
+        Some((held, tables)) if *held == needs => tables.clone(),
+        _ => {
+            let tables = tables_for(needs);
+            *known = Some((needs, tables.clone()));
+            tables
+        }
+    }
 }
 
 /// The tables that materials look up.
