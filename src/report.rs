@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use crate::film::Film;
-use crate::gltf::ExtensionUse;
+use crate::gltf::{ExtensionUse, Metadata};
 use crate::pack::Packed;
 
 /// Everything that is known after a render.
@@ -20,6 +20,8 @@ pub struct Report {
     pub memory: Memory,
     /// The files written, as named on the command line.
     pub outputs: Vec<String>,
+    /// KHR_xmp_json_ld, whole.
+    pub metadata: Vec<Metadata>,
     /// What the scene holds and the picture does not show, and other remarks.
     pub notes: Vec<String>,
 }

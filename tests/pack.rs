@@ -559,6 +559,7 @@ fn a_packer_packs_what_changed_and_gives_the_same_bytes() {
         assert_eq!(packer.new_parts(), new, "{what}");
         let fresh = pack(scene, &shapes::view()).unwrap();
         assert!(bytes(&packed) == bytes(&fresh), "{what}");
+        assert!(packed.tables == fresh.tables, "{what}: tables");
     };
     next(&scene, [2, 0], "the first picture");
     next(&scene, [0, 0], "the same again");
@@ -576,6 +577,9 @@ fn a_packer_packs_what_changed_and_gives_the_same_bytes() {
     );
     metallic_roughness(&mut scene.materials[0]).roughness = 0.1;
     next(&scene, [0, 0], "another roughness");
+    let sheen = &mut metallic_roughness(&mut scene.materials[0]).extensions.sheen;
+    sheen.color.factor = Vec3::ONE;
+    next(&scene, [0, 0], "sheen, which has a table of its own");
     // The address of an image that is gone may be given to the next one.
     for value in 0..8 {
         scene.images.clear();

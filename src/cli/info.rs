@@ -7,7 +7,10 @@ use serde::Serialize;
 
 use super::doctor::bytes;
 use crate::error::Error;
-use crate::gltf::{self, Counts, ExtensionUse, LoadOptions, Loaded, Treatment};
+use crate::gltf::{
+    self, AnimationInfo, Asset, Counts, ExtensionUse, LoadOptions, Loaded, Metadata, Moment, Skin,
+    Treatment,
+};
 use crate::scene::{Pixels, Projection, PunctualKind};
 
 /// Which file, and how to say it.
@@ -26,7 +29,7 @@ pub struct InfoArgs {
     pub max_memory: u64,
 }
 
-/// What there is to say, as JSON has it.
+/// What there is to say, as JSON has it: see schema/info.schema.json.
 #[derive(Serialize)]
 struct Info {
     file: PathBuf,
@@ -34,9 +37,13 @@ struct Info {
     bounds: Option<[[f32; 3]; 2]>,
     cameras: Vec<Named>,
     lights: Vec<Named>,
+    animations: Vec<AnimationInfo>,
+    variants: Vec<String>,
+    skins: Vec<Skin>,
     materials: Vec<String>,
     images: Vec<ImageInfo>,
     extensions: Vec<ExtensionUse>,
+    metadata: Vec<Metadata>,
     notes: Vec<String>,
     default_camera: bool,
     default_light: bool,
@@ -51,6 +58,7 @@ struct Named {
 #[derive(Serialize)]
 struct ImageInfo {
     name: String,
+    format: &'static str,
     width: u32,
     height: u32,
     bits: u32,
@@ -63,8 +71,9 @@ pub fn run(args: &InfoArgs) -> Result<(), Error> {
         max_memory: args.max_memory.saturating_mul(1 << 20),
         ..LoadOptions::default()
     };
-    let loaded = gltf::load(&args.scene, &options)?;
-    let info = info(args, loaded);
+    let mut asset = Asset::open(&args.scene, &options)?;
+    let loaded = asset.scene(&Moment::Rest)?;
+    let info = info(args, &asset, loaded)?;
     if args.json {
         let json = serde_json::to_string_pretty(&info).expect("an Info has string keys only");
         super::print(&(json + "\n"))
@@ -73,17 +82,17 @@ pub fn run(args: &InfoArgs) -> Result<(), Error> {
     }
 }
 
-fn info(args: &InfoArgs, loaded: Loaded) -> Info {
+fn info(args: &InfoArgs, asset: &Asset, loaded: Loaded) -> Result<Info, Error> {
     let Loaded {
         scene,
         extensions,
         notes,
         counts,
+        metadata,
         default_light,
-        ..
     } = loaded;
     let bounds = gltf::bounds(&scene);
-    Info {
+    Ok(Info {
         file: args.scene.clone(),
         counts,
         bounds: bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
@@ -120,8 +129,10 @@ fn info(args: &InfoArgs, loaded: Loaded) -> Info {
         images: scene
             .images
             .into_iter()
-            .map(|image| ImageInfo {
+            .zip(asset.image_formats())
+            .map(|(image, format)| ImageInfo {
                 name: image.name.clone(),
+                format,
                 width: image.width,
                 height: image.height,
                 bits: match image.pixels {
@@ -130,9 +141,13 @@ fn info(args: &InfoArgs, loaded: Loaded) -> Info {
                 },
             })
             .collect(),
+        animations: asset.animations(),
+        variants: asset.variants(),
+        skins: asset.skins()?,
         extensions,
+        metadata,
         notes,
-    }
+    })
 }
 
 fn text(info: &Info) -> String {
@@ -181,15 +196,36 @@ fn text(info: &Info) -> String {
     if info.default_light {
         out.push_str("  light       none: a neutral studio lights the scene, or --env does\n");
     }
+    for animation in &info.animations {
+        let _ = writeln!(
+            out,
+            "  animation   {}, {} s to {} s, {} channels",
+            animation.name, animation.start, animation.end, animation.channels
+        );
+    }
+    for variant in &info.variants {
+        let _ = writeln!(out, "  variant     {variant}");
+    }
+    for skin in &info.skins {
+        let _ = writeln!(out, "  skin        {}, {} joints", skin.name, skin.joints);
+    }
     for image in &info.images {
         let _ = writeln!(
             out,
-            "  image       {}, {} x {}, {} bits",
-            image.name, image.width, image.height, image.bits
+            "  image       {}, {}, {} x {}, {} bits",
+            image.name, image.format, image.width, image.height, image.bits
         );
     }
     for extension in &info.extensions {
         extension_line(&mut out, extension);
+    }
+    for metadata in &info.metadata {
+        let _ = writeln!(
+            out,
+            "  metadata    XMP about {} ({})",
+            metadata.about.join(", "),
+            metadata.at
+        );
     }
     for note in &info.notes {
         let _ = writeln!(out, "  note        {note}");

@@ -111,6 +111,7 @@ impl Made<'_> {
             times_ms,
             memory: Memory::of(&self.job.packed),
             outputs: targets.map(|target| name(&target.place)).collect(),
+            metadata: self.job.loaded.metadata.clone(),
             notes: self.job.loaded.notes.clone(),
         }
     }

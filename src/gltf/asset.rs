@@ -17,6 +17,7 @@ use super::{
 };
 use crate::scene::{Environment, Material, PunctualLight, Scene};
 use glam::DAffine3;
+use serde::Serialize;
 use std::collections::HashSet;
 use std::ops::Range;
 use std::path::Path;
@@ -40,6 +41,13 @@ pub struct Asset {
     metadata: Vec<Metadata>,
     /// What of the memory ceiling is taken by all this but the meshes, in bytes.
     taken: u64,
+}
+
+/// What there is to say of a skin.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Skin {
+    pub name: String,
+    pub joints: usize,
 }
 
 impl Asset {
@@ -89,6 +97,23 @@ impl Asset {
     /// The names of the file's material variants (KHR_materials_variants), in its order.
     pub fn variants(&self) -> Vec<String> {
         self.variants.clone()
+    }
+
+    /// The file's skins, in its order.
+    pub fn skins(&self) -> Result<Vec<Skin>, GltfError> {
+        let skins = Json::root(&self.document).objects("skins")?;
+        let skin = |json: &Json<'_>| {
+            Ok(Skin {
+                name: json.name(),
+                joints: json.elements("joints")?.len(),
+            })
+        };
+        skins.iter().map(skin).collect()
+    }
+
+    /// What the images of the scene last made are encoded as, in the order of `Scene::images`.
+    pub fn image_formats(&self) -> Vec<&'static str> {
+        self.images.formats()
     }
 
     /// Which of the variants further scenes show, by its place in `variants`; `None` shows the default

@@ -27,6 +27,7 @@ pub struct Images {
 struct Entry {
     /// The glTF's index.
     index: usize,
+    format: &'static str,
     state: State,
     remarks: Remarks,
 }
@@ -77,6 +78,7 @@ impl Images {
                         };
                         self.images.push(Entry {
                             index,
+                            format: format.name(),
                             state: State::Encoded(format, owned),
                             remarks,
                         });
@@ -109,6 +111,11 @@ impl Images {
             _ => None,
         };
         remarks.oddities.iter().copied().chain(other)
+    }
+
+    /// What each is encoded as.
+    pub fn formats(&self) -> Vec<&'static str> {
+        self.images.iter().map(|entry| entry.format).collect()
     }
 
     /// All of them, decoded in parallel where they are not yet.
@@ -164,6 +171,18 @@ enum Format {
     Image(ImageFormat),
     #[cfg(feature = "basisu")]
     Ktx2,
+}
+
+impl Format {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Image(ImageFormat::Png) => "PNG",
+            Self::Image(ImageFormat::Jpeg) => "JPEG",
+            Self::Image(_) => "WebP",
+            #[cfg(feature = "basisu")]
+            Self::Ktx2 => "KTX2",
+        }
+    }
 }
 
 enum Container {

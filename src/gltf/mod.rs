@@ -41,7 +41,7 @@ mod variant;
 mod xmp;
 
 pub use animation::{AnimationChoice, AnimationInfo, Moment};
-pub use asset::Asset;
+pub use asset::{Asset, Skin};
 pub use environment::{EnvironmentSource, default_environment, load_environment};
 pub use error::GltfError;
 pub use extension::{ExtensionUse, Treatment};

@@ -3,6 +3,7 @@
 
 #[path = "../common/json_schema.rs"]
 mod json_schema;
+mod moment;
 mod pictures;
 mod place;
 mod record;

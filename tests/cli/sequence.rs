@@ -192,3 +192,18 @@ fn a_turntable_goes_round_counter_clockwise() {
         assert!(alpha.iter().any(|&a| a > 0.0), "frame {frame}");
     }
 }
+#[test]
+fn the_framing_does_not_follow_what_moves() {
+    let place = Place::new();
+    place.write("moving.gltf", animated().to_string().as_bytes());
+    place.succeed(&format!(
+        "render moving.gltf -o m{{}}.exr --frames 0..3@1 --background transparent --cpu {SMALL}"
+    ));
+    let columns = [0, 1, 2].map(|frame| coverage(&place, &format!("m{frame}.exr")).1);
+    // From left to right, as far as the picture goes.
+    assert!(columns[0] < 5.0 && columns[2] > 10.0, "{columns:?}");
+    assert!(
+        (columns[0] + columns[2] - 2.0 * columns[1]).abs() < 1.0,
+        "{columns:?}"
+    );
+}

@@ -1,6 +1,7 @@
 //! `snell info`: what it prints and how it ends.
 
-use crate::asset::Asset;
+use crate::asset::{Asset, pixel_png};
+use crate::json_schema::validate;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -33,6 +34,7 @@ fn text_and_json() {
     }
     let output = info(&path, &["--json"]);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    check_schema(&json);
     assert_eq!(json["counts"]["drawn_triangles"], 1);
     assert_eq!(json["bounds"], json!([[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]));
     assert_eq!(json["materials"], json!(["paint"]));
@@ -41,6 +43,53 @@ fn text_and_json() {
         (&json["default_camera"], &json["default_light"]),
         (&json!(true), &json!(true))
     );
+}
+
+fn check_schema(info: &Value) {
+    let schema = std::fs::read("schema/info.schema.json").unwrap();
+    let schema: Value = serde_json::from_slice(&schema).unwrap();
+    validate(&schema, &schema, info).unwrap();
+}
+
+/// Everything that a listing has a row for.
+#[test]
+fn contents_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.glb");
+    let mut asset = Asset::triangle();
+    let texture = asset.texture(&pixel_png([10, 20, 30, 40]));
+    let mut asset = asset.with_material(json!({
+        "name": "paint", "pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}
+    }));
+    asset.json["cameras"] = json!([{
+        "name": "front", "type": "orthographic",
+        "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 1}
+    }]);
+    asset.json["nodes"] = json!([
+        {"mesh": 0}, {"camera": 0},
+        {"extensions": {"KHR_lights_punctual": {"light": 0}}}
+    ]);
+    asset.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    asset.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    asset.json["extensions"] = json!({
+        "KHR_lights_punctual": {"lights": [{"name": "bulb", "type": "point"}]}
+    });
+    asset.json["skins"] = json!([{"name": "bones", "joints": [0, 1]}]);
+    asset.save_glb(&path);
+    let text = String::from_utf8(info(&path, &[]).stdout).unwrap();
+    for line in [
+        "  camera      front, orthographic\n",
+        "  light       bulb, point\n",
+        "  skin        bones, 2 joints\n",
+        ", PNG, 1 x 1, 8 bits\n",
+        "  extension   KHR_lights_punctual, supported (extensions, nodes[2].extensions)\n",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
+    let json: Value = serde_json::from_slice(&info(&path, &["--json"]).stdout).unwrap();
+    check_schema(&json);
+    assert_eq!(json["skins"], json!([{"name": "bones", "joints": 2}]));
+    assert_eq!(json["images"][0]["format"], "PNG");
 }
 
 #[test]

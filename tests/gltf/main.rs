@@ -14,6 +14,8 @@ mod extensions;
 mod geometry;
 mod images;
 mod info;
+#[path = "../common/json_schema.rs"]
+mod json_schema;
 #[cfg(feature = "basisu")]
 mod ktx2;
 #[cfg(feature = "basisu")]
