@@ -74,6 +74,7 @@ const LIGHT_SPOT: u32 = 1u;
 const LIGHT_DIRECTIONAL: u32 = 2u;
 const LIGHT_TRIANGLE: u32 = 3u;
 const LIGHT_ENVIRONMENT: u32 = 4u;
+const LIGHT_PROFILE: u32 = 5u;
 
 // `Camera.kind`
 const CAMERA_PERSPECTIVE: u32 = 0u;
@@ -260,20 +261,21 @@ struct Material {
 struct Light {
     position: vec3<f32>,   // triangle: its first corner, world space
     kind: u32,
-    direction: vec3<f32>,  // spot, directional: where the light goes, unit length; triangle: edge 1
+    direction: vec3<f32>,  // spot, profile, directional: where the light goes, unit length; triangle: edge 1
     alias_index: u32,
-    edge2: vec3<f32>,      // triangle: edge 2, world space
+    edge2: vec3<f32>,      // triangle: edge 2, world space; profile: where its azimuth is 0, unit length
     alias_threshold: f32,  // keep this entry where the remapped u is below it
-    radiance: vec3<f32>,   // triangle: factor on the texture; point, spot: W/(sr m^2) m^2; directional: W/m^2
+    radiance: vec3<f32>,   // triangle: factor on the texture; point, spot: W/(sr m^2) m^2; directional: W/m^2;
+                           // profile: factor on its table
     weight: f32,           // chosen with probability weight / light_weight_total
-    cos_inner: f32,        // spot
+    cos_inner: f32,        // spot; profile: the mean of its table over all directions, for the weight
     cos_outer: f32,
     range: f32,            // point, spot: metres, 0 is unlimited (KHR_lights_punctual)
     triangle: u32,         // triangle: its index in `triangles`
     instance: u32,
-    reserved0: u32,
-    reserved1: u32,
-    reserved2: u32,
+    profile: u32,          // profile: first of its table's words in `texels`, float32 by rows
+    profile_rows: u32,     // polar angles, 0 to pi; at least 2
+    profile_columns: u32,  // azimuths, all of a turn
 }
 
 // What glTF's extensions add to a reflection model, after texturing. Of the base, `Bsdf.reflectance` is

@@ -57,6 +57,7 @@ pub const LIGHT_SPOT: u32 = 1;
 pub const LIGHT_DIRECTIONAL: u32 = 2;
 pub const LIGHT_TRIANGLE: u32 = 3;
 pub const LIGHT_ENVIRONMENT: u32 = 4;
+pub const LIGHT_PROFILE: u32 = 5;
 pub const CAMERA_PERSPECTIVE: u32 = 0;
 pub const CAMERA_ORTHOGRAPHIC: u32 = 1;
 pub const BACKGROUND_ENVIRONMENT: u32 = 0;
@@ -245,9 +246,9 @@ pub struct Light {
     pub range: f32,
     pub triangle: u32,
     pub instance: u32,
-    pub reserved0: u32,
-    pub reserved1: u32,
-    pub reserved2: u32,
+    pub profile: u32,
+    pub profile_rows: u32,
+    pub profile_columns: u32,
 }
 
 /// What glTF's extensions add to a reflection model, after texturing.

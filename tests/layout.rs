@@ -216,9 +216,9 @@ fn structures_agree_field_by_field() {
                 range,
                 triangle,
                 instance,
-                reserved0,
-                reserved1,
-                reserved2,
+                profile,
+                profile_rows,
+                profile_columns,
             }),
         ),
         (

@@ -12,14 +12,15 @@ use common::statistics::{assert_p, chi_square_p};
 use glam::{DVec2, DVec3, DVec4, UVec2, Vec3};
 use snell::cpu::light::environment::*;
 use snell::cpu::light::light::*;
-use snell::cpu::light::punctual::{range_attenuation, spot_attenuation};
+use snell::cpu::light::punctual::{irradiance_punctual, range_attenuation, spot_attenuation};
 use snell::cpu::rng::{next_1d, next_2d, rng_init};
 use snell::pack::Packed;
 use snell::pack::environment::build_environment;
 use snell::pack::lights::*;
-use snell::scene::{Environment, PunctualKind, PunctualLight};
+use snell::scene::{Environment, Profile, PunctualKind, PunctualLight};
 use snell::shared::*;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 const COUNT: usize = 100_000;
 const SCENE_RADIUS: f32 = 3.0;
@@ -121,14 +122,41 @@ fn add_triangle(
 }
 
 fn punctual(kind: PunctualKind, position: Vec3, range: Option<f32>) -> Light {
-    punctual_light(&PunctualLight {
+    punctual_light(
+        &PunctualLight {
+            name: String::new(),
+            kind,
+            intensity: Vec3::new(3.0, 2.0, 1.0),
+            position,
+            direction: Vec3::new(0.6, -0.8, 0.0),
+            range,
+        },
+        &[],
+    )
+}
+
+/// A lamp with a table that is rough in both angles.
+fn measured(packed: &mut Packed) -> (Light, Profile) {
+    let (rows, columns) = (19u32, 24u32);
+    let mut uniform = Random(21);
+    let profile = Profile {
+        rows,
+        columns,
+        candela: (0..rows * columns).map(|_| 0.5 + uniform.unit()).collect(),
+    };
+    let places = place_profiles(&[Arc::new(profile.clone())], &mut packed.texels).unwrap();
+    let lamp = PunctualLight {
         name: String::new(),
-        kind,
+        kind: PunctualKind::Profile {
+            profile: 0,
+            azimuth_zero: Vec3::new(0.8, 0.6, 0.0),
+        },
         intensity: Vec3::new(3.0, 2.0, 1.0),
-        position,
+        position: Vec3::new(0.1, 0.3, 0.2),
         direction: Vec3::new(0.6, -0.8, 0.0),
-        range,
-    })
+        range: None,
+    };
+    (punctual_light(&lamp, &places), profile)
 }
 
 /// Every kind of light at once, and a texture on one of the triangles.
@@ -173,7 +201,10 @@ fn all_lights() -> Packed {
     packed.texels = (0..15).map(|_| uniform.bits() as u32).collect();
     packed.materials[0].emissive_texture =
         identity_texture([3, 5], FORMAT_RGBA8_SRGB | FILTER_LINEAR << 8);
-    with_tables(with_environment(packed, &sky(37, 19, 500.0)))
+    let mut packed = with_environment(packed, &sky(37, 19, 500.0));
+    let (lamp, _) = measured(&mut packed);
+    packed.lights.push(lamp);
+    with_tables(packed)
 }
 
 /// Direction of a place on the unturned map, by DESIGN's formula solved for d.
@@ -494,6 +525,9 @@ fn weights_are_powers_in_one_unit() {
     near(sky_light.weight / directional.weight, proportion);
     let infinite = f64::from(directional.weight) + f64::from(sky_light.weight);
     assert!(infinite <= 0.750001 * f64::from(packed.frame.light_weight_total));
+    let (lamp, profile) = measured(&mut empty_packed());
+    near(packed.lights[8].weight, 4.0 * luminance * profile.mean());
+    assert!((f64::from(lamp.cos_inner) - profile.mean()).abs() < 1e-6);
     // A triangle's power is pi L A, a point's 4 pi I: at equal power they weigh the same.
     let mut one = [punctual(PunctualKind::Point, Vec3::ZERO, None)];
     one[0].radiance = [0.25; 3];
@@ -571,7 +605,7 @@ fn light_samples_agree_with_float64() {
         .collect();
     let answers = light_samples_gpu(&packed, &queries);
     let brightest = 1.5 * 500.0;
-    let mut seen = [0; 8];
+    let mut seen = [0; 9];
     let (mut apart, mut met) = (0, 0);
     for (q, answer) in queries.iter().zip(&answers) {
         let p = Vec3::new(q[0], q[1], q[2]).as_dvec3();
@@ -821,4 +855,40 @@ fn punctual_lights_fall_off_as_the_extension_says() {
         (DVec3::Y, 4.0, 1)
     );
     assert_eq!(at(2.0).Le, DVec3::ZERO);
+}
+
+/// At the entries of its table a lamp sends what they hold, in the middle between two their mean.
+#[test]
+fn measured_lamps_send_what_their_table_says() {
+    let mut packed = empty_packed();
+    let (lamp, profile) = measured(&mut packed);
+    let (rows, columns) = (profile.rows as usize, profile.columns as usize);
+    let axis = DVec3::new(0.6, -0.8, 0.0);
+    let x = DVec3::new(0.8, 0.6, 0.0);
+    // The light goes along -z, so y is z cross x.
+    let y = (-axis).cross(x);
+    let entry =
+        |row: usize, column: usize| f64::from(profile.candela[row * columns + column % columns]);
+    for row in 0..rows - 1 {
+        for column in 0..columns {
+            for (down, across) in [(0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.25, 0.75)] {
+                if row == 0 && down == 0.0 {
+                    // On the axis there is no azimuth.
+                    continue;
+                }
+                let theta = (row as f64 + down) * PI / (rows - 1) as f64;
+                let phi = (column as f64 + across) * TAU / columns as f64;
+                let d = theta.cos() * axis + theta.sin() * (phi.cos() * x + phi.sin() * y);
+                let at =
+                    |row| (1.0 - across) * entry(row, column) + across * entry(row, column + 1);
+                let candela = (1.0 - down) * at(row) + down * at(row + 1);
+                let found = irradiance_punctual(&packed, &lamp, -d, 2.0);
+                let expected = candela / 4.0 * DVec3::new(3.0, 2.0, 1.0);
+                assert!(
+                    (found - expected).length() < 1e-5,
+                    "{row} {column}: {found} {expected}"
+                );
+            }
+        }
+    }
 }

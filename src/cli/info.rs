@@ -118,6 +118,7 @@ fn info(args: &InfoArgs, asset: &Asset, loaded: Loaded) -> Result<Info, Error> {
                     PunctualKind::Point => "point",
                     PunctualKind::Spot { .. } => "spot",
                     PunctualKind::Directional => "directional",
+                    PunctualKind::Profile { .. } => "profile",
                 },
             })
             .collect(),

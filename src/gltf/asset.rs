@@ -4,6 +4,7 @@ use super::accessor::Accessors;
 use super::animation::Animation;
 use super::buffer::Buffers;
 use super::error::GltfError;
+use super::extension::ExtensionUse;
 use super::image::Images;
 use super::json::{Document, Json};
 use super::notes::Notes;
@@ -13,7 +14,7 @@ use super::shutter::{self, Tracks};
 use super::source::{self, Source};
 use super::{
     AnimationChoice, AnimationInfo, Counts, LoadOptions, Loaded, Metadata, Moment, animation,
-    camera, environment, extension, light, material, node, variant, xmp,
+    camera, environment, extension, ies, image_based, light, material, node, variant, xmp,
 };
 use crate::scene::{Environment, Material, PunctualLight, Scene};
 use glam::DAffine3;
@@ -32,6 +33,9 @@ pub struct Asset {
     meshes: KnownMeshes,
     /// The one that the options name.
     environment: Option<Environment>,
+    /// The one that the file brings.
+    image_based: image_based::Known,
+    profiles: ies::Profiles,
     animations: Vec<Animation>,
     /// What takes the last moment back out of the document.
     undo: Vec<Undo>,
@@ -80,6 +84,8 @@ impl Asset {
             images: Images::default(),
             meshes: KnownMeshes::default(),
             environment,
+            image_based: image_based::Known::default(),
+            profiles: ies::Profiles::default(),
             animations,
             undo: Vec::new(),
             variants,
@@ -127,7 +133,15 @@ impl Asset {
         pointer::undo(&mut self.document.root, &mut self.undo);
         self.source.budget.rewind(self.taken);
         let mut notes = Notes::default();
-        let mut extensions = extension::inventory(&Json::root(&self.document))?;
+        let root = Json::root(&self.document);
+        let mut extensions = extension::inventory(&root)?;
+        let files = (&self.buffers, &self.source);
+        self.profiles.read(&root, files, &mut notes)?;
+        let own = match &self.environment {
+            None => self.image_based.environment(&root, files, &mut notes)?,
+            Some(_) => None,
+        };
+        self.taken = self.source.budget.used();
         let mut tracks = Tracks::default();
         let mut lights = None;
         match moment {
@@ -186,9 +200,10 @@ impl Asset {
         for &node in &nodes.shown {
             scene.cameras.extend(camera::camera(&nodes, node)?);
         }
+        scene.profiles = self.profiles.all();
         scene.lights = match lights {
             Some(lights) => lights,
-            None => punctual_lights(&root, &nodes, &mut notes)?,
+            None => punctual_lights(&root, &nodes, &self.profiles, &mut notes)?,
         };
         let accessors = Accessors {
             buffers: &self.buffers,
@@ -206,13 +221,19 @@ impl Asset {
         };
         self.meshes = placer.place(&mut scene, known)?;
 
-        let lit = !scene.lights.is_empty() || gives_light(&scene);
+        let lit = own.is_some() || !scene.lights.is_empty() || gives_light(&scene);
         let default_light = !lit && self.environment.is_none();
-        scene.environment = match &self.environment {
-            Some(environment) => Some(environment.clone()),
-            None if default_light => Some(environment::default_environment()),
-            None => None,
-        };
+        let brings_its_own = |e: &ExtensionUse| e.name == image_based::NAME && e.uses > 0;
+        if self.environment.is_some() && extensions.iter().any(brings_its_own) {
+            notes.add(
+                "the environment that was asked for takes the place of the file's own",
+                "",
+            );
+        }
+        scene.environment = self.environment.clone().or(own);
+        if default_light {
+            scene.environment = Some(environment::default_environment());
+        }
         let mut counts = count(&root, &scene)?;
         counts.buffer_bytes = self.buffers.total();
         counts.memory_bytes = self.source.budget.used();
@@ -286,14 +307,16 @@ impl Asset {
         let root = Json::root(&self.document);
         let nodes = node::Nodes::read(&root, &mut Notes::default())?;
         for &node in &nodes.shown {
-            if tracks.moves(node) && nodes.json[node].extension(light::NAME)?.is_some() {
+            let json = &nodes.json[node];
+            let lamp = json.extension(light::NAME)?.or(json.extension(ies::NAME)?);
+            if tracks.moves(node) && lamp.is_some() {
                 notes.add(
                     "a light that moves is not blurred: it is where it is in the middle of the shutter",
                     &nodes.json[node].at,
                 );
             }
         }
-        punctual_lights(&root, &nodes, notes)
+        punctual_lights(&root, &nodes, &self.profiles, notes)
     }
 }
 
@@ -301,12 +324,14 @@ impl Asset {
 fn punctual_lights(
     root: &Json<'_>,
     nodes: &node::Nodes<'_>,
+    profiles: &ies::Profiles,
     notes: &mut Notes,
 ) -> Result<Vec<PunctualLight>, GltfError> {
     let lights = light::lights(root)?;
     let mut placed = Vec::new();
     for &node in nodes.shown.iter().filter(|&&node| nodes.visible[node]) {
         placed.extend(light::light(nodes, node, &lights, notes)?);
+        placed.extend(profiles.light(nodes, node, notes)?);
     }
     Ok(placed)
 }
@@ -375,7 +400,7 @@ fn count(root: &Json<'_>, scene: &Scene) -> Result<Counts, GltfError> {
         textures: length("textures")?,
         images: length("images")?,
         cameras: length("cameras")?,
-        lights: light::lights(root)?.len(),
+        lights: light::lights(root)?.len() + ies::lights(root)?.len(),
         skins: length("skins")?,
         animations: length("animations")?,
         drawn_instances: scene.instances.len(),

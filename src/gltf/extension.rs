@@ -72,9 +72,16 @@ impl Uses {
 
 /// (name, treatment, what it means, whether a file that requires it can be drawn).
 const KNOWN: &[(&str, Treatment, &str, bool)] = {
-    use Treatment::{Ignored, Supported};
+    use Treatment::{Approximated, Ignored, Supported};
     &[
         ("KHR_lights_punctual", Supported, "", true),
+        (
+            "EXT_lights_image_based",
+            Approximated,
+            "the sharpest of its images is the light; its irradiance coefficients are not used",
+            true,
+        ),
+        ("EXT_lights_ies", Supported, "", true),
         ("KHR_materials_unlit", Supported, "", true),
         ("KHR_materials_emissive_strength", Supported, "", true),
         ("KHR_materials_ior", Supported, "", true),

@@ -150,6 +150,26 @@ impl Images {
     }
 }
 
+/// One image by itself, and whether it is a PNG with alpha.
+pub fn single(
+    json: &Json<'_>,
+    buffers: &Buffers,
+    source: &Source,
+) -> Result<(Image, bool), GltfError> {
+    let (bytes, owned) = read(json, buffers, source)?;
+    let bytes = owned.as_deref().unwrap_or(bytes);
+    match Container::of(bytes) {
+        Some(Container::Read(format)) => {
+            let image = decode(json, bytes, format, source)?;
+            // The byte of the header that holds the kind of colour; 6 is RGBA (ISO/IEC 15948, 11.2.2).
+            let png = matches!(format, Format::Image(ImageFormat::Png));
+            let alpha = png && bytes.get(25) == Some(&6);
+            Ok((image, alpha))
+        }
+        _ => Err(json.invalid("it is neither PNG, JPEG nor WebP")),
+    }
+}
+
 /// The encoded bytes: those of a buffer view, or else those that a URI led to.
 fn read<'b>(
     json: &Json<'_>,

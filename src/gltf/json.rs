@@ -134,17 +134,20 @@ impl<'a> Json<'a> {
         let Some(array) = self.get(key) else {
             return Ok(Vec::new());
         };
-        let values = array
-            .value
-            .as_array()
-            .ok_or_else(|| array.not("an array"))?;
+        array.items()
+    }
+
+    /// The elements of this value, an array.
+    pub fn items(&self) -> Result<Vec<Json<'a>>, GltfError> {
+        let values = self.value.as_array();
+        let values = values.ok_or_else(|| self.not("an array"))?;
         Ok(values
             .iter()
             .enumerate()
             .map(|(index, value)| Json {
                 document: self.document,
                 value,
-                at: format!("{}[{index}]", array.at),
+                at: format!("{}[{index}]", self.at),
             })
             .collect())
     }

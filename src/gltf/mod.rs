@@ -18,7 +18,9 @@ mod error;
 mod etc1s;
 mod extension;
 mod framing;
+mod ies;
 mod image;
+mod image_based;
 mod instancing;
 mod json;
 #[cfg(feature = "basisu")]

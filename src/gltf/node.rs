@@ -115,7 +115,7 @@ pub fn to_f32(matrix: DAffine3) -> Affine3A {
 }
 
 /// The scene to draw: the default one, else the first, else none (then all nodes are drawn).
-fn scene<'a>(root: &Json<'a>) -> Result<Option<Json<'a>>, GltfError> {
+pub fn scene<'a>(root: &Json<'a>) -> Result<Option<Json<'a>>, GltfError> {
     if let Some((_, scene)) = root.reference("scene", "scenes")? {
         return Ok(Some(scene));
     }

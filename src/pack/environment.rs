@@ -133,23 +133,23 @@ fn cell_table(weights: &[f64], cells_x: usize) -> Vec<[f32; 2]> {
         .collect();
     let rows = cumulative_units(&row_weights);
     let unit = 1.0 / f64::from(PROBABILITY_UNITS);
-    let mut table = Vec::with_capacity(weights.len() + rows.len());
-    let mut rows_before = 0;
-    for (row, &rows_up_to) in weights.chunks_exact(cells_x).zip(&rows) {
-        let row_probability = f64::from(rows_up_to - rows_before) * unit;
-        rows_before = rows_up_to;
+    let before = |row: usize| row.checked_sub(1).map_or(0, |row| rows[row]);
+    let table = weights.par_chunks_exact(cells_x).enumerate();
+    let table = table.flat_map_iter(|(number, row)| {
+        let row_probability = f64::from(rows[number] - before(number)) * unit;
+        let rows_up_to = (f64::from(rows[number]) * unit) as f32;
         let mut before = 0;
-        for up_to in cumulative_units(row) {
+        let cells = cumulative_units(row).into_iter().map(move |up_to| {
             let probability = row_probability * f64::from(up_to - before) * unit;
             before = up_to;
-            table.push([
+            [
                 (f64::from(up_to) * unit) as f32,
                 (probability * weights.len() as f64) as f32,
-            ]);
-        }
-        table.push([(f64::from(rows_up_to) * unit) as f32, 0.0]);
-    }
-    table
+            ]
+        });
+        cells.chain(std::iter::once([rows_up_to, 0.0]))
+    });
+    table.collect()
 }
 
 /// Cumulative probabilities in units: monotone, the last is `PROBABILITY_UNITS`, and whatever

@@ -4,12 +4,15 @@
 //! (683 lm not applied), so that a triangle, which sends pi L A, weighs its mean luminance times
 //! its area, and the density of its points per area is a constant of its material.
 
-use crate::scene::{PunctualKind, PunctualLight};
+use super::PackError;
+use crate::scene::{Profile, PunctualKind, PunctualLight};
 use crate::shared::{
-    LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPOT, LIGHT_TRIANGLE, Light,
+    LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_PROFILE, LIGHT_SPOT, LIGHT_TRIANGLE,
+    Light,
 };
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// Power says too little where lights are near and far: the sky's is counted over the whole
 /// scene's disk, whatever stands in its way, and a lamp's however far it is. So neither group, of
@@ -25,8 +28,37 @@ pub struct LightWeights {
     pub environment: f32,
 }
 
-/// The entry of a punctual light; `build_lights` weighs it.
-pub fn punctual_light(light: &PunctualLight) -> Light {
+/// Where the table of a profile stands.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedProfile {
+    first_word: u32,
+    rows: u32,
+    columns: u32,
+    /// Over all directions, candela.
+    mean: f32,
+}
+
+/// Appends the tables of all profiles to the texels.
+pub fn place_profiles(
+    profiles: &[Arc<Profile>],
+    texels: &mut Vec<u32>,
+) -> Result<Vec<PlacedProfile>, PackError> {
+    let place = |profile: &Arc<Profile>| {
+        let first_word = super::index("texels", texels.len())?;
+        texels.extend(profile.candela.iter().map(|value| value.to_bits()));
+        super::index("texels", texels.len())?;
+        Ok(PlacedProfile {
+            first_word,
+            rows: profile.rows,
+            columns: profile.columns,
+            mean: profile.mean() as f32,
+        })
+    };
+    profiles.iter().map(place).collect()
+}
+
+/// The entry of a punctual light; `build_lights` weighs it. `profiles` are those of its scene.
+pub fn punctual_light(light: &PunctualLight, profiles: &[PlacedProfile]) -> Light {
     let mut packed = Light {
         position: light.position.to_array(),
         direction: light.direction.to_array(),
@@ -44,6 +76,18 @@ pub fn punctual_light(light: &PunctualLight) -> Light {
             packed.cos_inner = inner_angle.cos();
             packed.cos_outer = outer_angle.cos();
             LIGHT_SPOT
+        }
+        PunctualKind::Profile {
+            profile,
+            azimuth_zero,
+        } => {
+            let placed = profiles[profile];
+            packed.edge2 = azimuth_zero.to_array();
+            packed.profile = placed.first_word;
+            packed.profile_rows = placed.rows;
+            packed.profile_columns = placed.columns;
+            packed.cos_inner = placed.mean;
+            LIGHT_PROFILE
         }
     };
     packed
@@ -113,7 +157,7 @@ fn is_infinite(light: &Light) -> bool {
 }
 
 /// Power as pbrt counts it (Pharr, Jakob and Humphreys 2023, "Physically based rendering", chapter
-/// 12), over pi: 4 pi I of a point, 2 pi (1 - mean cosine) I of a spot, pi r^2 E and 4 pi^2 r^2 L
+/// 12), over pi: 4 pi I of a point, I its mean where it has a profile, 2 pi (1 - mean cosine) I of a spot, pi r^2 E and 4 pi^2 r^2 L
 /// of lights that shine through the scene's disk.
 fn power_over_pi(light: &Light, radius: f64) -> f64 {
     let luminance = Vec3::from(light.radiance)
@@ -122,6 +166,7 @@ fn power_over_pi(light: &Light, radius: f64) -> f64 {
         .max(0.0);
     let factor = match light.kind {
         LIGHT_POINT => 4.0,
+        LIGHT_PROFILE => 4.0 * f64::from(light.cos_inner),
         LIGHT_SPOT => {
             let mean_cosine = 0.5 * (f64::from(light.cos_inner) + f64::from(light.cos_outer));
             2.0 * (1.0 - mean_cosine)

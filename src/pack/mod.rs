@@ -156,7 +156,7 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         ),
         None => (None, None, None),
     };
-    let textures = texture::Textures::gather(scene, images)?;
+    let mut textures = texture::Textures::gather(scene, images)?;
     let materials = scene
         .materials
         .iter()
@@ -167,7 +167,14 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         .environment
         .as_ref()
         .map(environment::build_environment);
-    let mut lights = gather_lights(scene, &geometry, &materials, environment.as_ref());
+    let profiles = lights::place_profiles(&scene.profiles, &mut textures.texels)?;
+    let mut lights = gather_lights(
+        scene,
+        &geometry,
+        &materials,
+        &profiles,
+        environment.as_ref(),
+    );
     let lights_len = index("lights", lights.len())?;
     let weights = lights::build_lights(&mut lights, 0.5 * diagonal(geometry.bounds));
     let any_triangle = |flags: u32| {
@@ -275,9 +282,13 @@ fn gather_lights(
     scene: &Scene,
     geometry: &Geometry,
     materials: &[Material],
+    profiles: &[lights::PlacedProfile],
     environment: Option<&PackedEnvironment>,
 ) -> Vec<Light> {
-    let mut all: Vec<Light> = scene.lights.iter().map(lights::punctual_light).collect();
+    let punctual = scene.lights.iter();
+    let mut all: Vec<Light> = punctual
+        .map(|light| lights::punctual_light(light, profiles))
+        .collect();
     // Of the meshes, not of their instances, of which there may be millions.
     let shines = |&index: &u32| {
         let material = geometry.triangles[index as usize].material;

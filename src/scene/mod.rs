@@ -7,6 +7,7 @@ pub mod bsdf_model;
 pub mod extensions;
 pub mod material;
 pub mod metals;
+mod profile;
 pub mod sky;
 
 pub use extensions::Extensions;
@@ -14,6 +15,7 @@ pub use material::{
     AlphaMode, Filter, Material, MetallicRoughness, Model, SpecularGlossiness, Texture, Textured,
     Wrap,
 };
+pub use profile::Profile;
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -26,6 +28,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     pub images: Vec<Arc<Image>>,
     pub lights: Vec<PunctualLight>,
+    /// How the lights spread that were measured.
+    pub profiles: Vec<Arc<Profile>>,
     pub cameras: Vec<Camera>,
     pub environment: Option<Environment>,
 }
@@ -88,7 +92,7 @@ pub enum Pixels {
 pub struct PunctualLight {
     pub name: String,
     pub kind: PunctualKind,
-    /// Colour times intensity, linear.
+    /// Colour times intensity, linear; of a profile the factor on its candela.
     pub intensity: Vec3,
     pub position: Vec3,
     /// Where the light goes, unit length.
@@ -100,8 +104,19 @@ pub struct PunctualLight {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PunctualKind {
     Point,
-    Spot { inner_angle: f32, outer_angle: f32 },
+    Spot {
+        inner_angle: f32,
+        outer_angle: f32,
+    },
     Directional,
+    /// A point whose intensity depends on the direction: EXT_lights_ies.
+    Profile {
+        /// In `Scene::profiles`.
+        profile: usize,
+        /// Where the azimuth is 0: unit length, at right angles to the light's direction. A quarter of
+        /// a turn on it points along `azimuth_zero` x `direction`.
+        azimuth_zero: Vec3,
+    },
 }
 
 /// A camera placed in the world, looking along its -z with +y up.

@@ -90,22 +90,27 @@ fn channels(sky: &Sky) -> [Channel; 3] {
     })
 }
 
-/// In the models' units, of one row of texels above the horizon: from the sun's side to the far one.
-fn sky_row(channels: &[Channel; 3], elevation: f64, y: usize) -> Vec<DVec3> {
+/// Fills one row of texels above the horizon, whose halves mirror each other, and returns its mean in
+/// the models' units.
+fn draw_row(channels: &[Channel; 3], elevation: f64, y: usize, texels: &mut [[f32; 3]]) -> DVec3 {
     let theta = (y as f64 + 0.5) * PI / HEIGHT as f64;
     let (sin_theta, cos_theta) = theta.sin_cos();
     let (sin_elevation, cos_elevation) = elevation.sin_cos();
     let rows = channels.each_ref().map(|channel| channel.row(cos_theta));
-    (0..WIDTH / 2)
-        .map(|x| {
-            let phi = (x as f64 + 0.5) * TAU / WIDTH as f64;
-            let cos_gamma = sin_theta * cos_elevation * phi.cos() + cos_theta * sin_elevation;
-            let cos_gamma = cos_gamma.clamp(-1.0, 1.0);
-            let gamma = cos_gamma.acos();
-            let radiance = |c: usize| channels[c].radiance(rows[c], gamma, cos_gamma);
-            DVec3::new(radiance(0), radiance(1), radiance(2))
-        })
-        .collect()
+    let (before, after) = texels.split_at_mut(WIDTH / 2);
+    let mut sum = DVec3::ZERO;
+    for (x, (left, right)) in before.iter_mut().rev().zip(after).enumerate() {
+        let phi = (x as f64 + 0.5) * TAU / WIDTH as f64;
+        let cos_gamma = sin_theta * cos_elevation * phi.cos() + cos_theta * sin_elevation;
+        let cos_gamma = cos_gamma.clamp(-1.0, 1.0);
+        let gamma = cos_gamma.acos();
+        let radiance = |c: usize| channels[c].radiance(rows[c], gamma, cos_gamma);
+        let radiance = DVec3::new(radiance(0), radiance(1), radiance(2));
+        sum += radiance;
+        *left = (radiance * SCALE).as_vec3().to_array();
+        *right = *left;
+    }
+    sum / (WIDTH / 2) as f64
 }
 
 /// The unit vector at an elevation, `phi` about +y from +x towards +z, radians.
@@ -123,44 +128,41 @@ impl Sky {
     pub fn environment(&self) -> Environment {
         let elevation = self.elevation.to_radians();
         let channels = channels(self);
-        let halves: Vec<Vec<DVec3>> = (0..HEIGHT / 2)
-            .into_par_iter()
-            .map(|y| sky_row(&channels, elevation, y))
+        let mut radiance = vec![[0.0; 3]; WIDTH * HEIGHT];
+        let (above, below) = radiance.split_at_mut(WIDTH * HEIGHT / 2);
+        let rows = above.par_chunks_exact_mut(WIDTH).enumerate();
+        let means: Vec<DVec3> = rows
+            .map(|(y, texels)| draw_row(&channels, elevation, y, texels))
             .collect();
-        let mut irradiance = horizontal_irradiance(&halves);
-        let mut rows: Vec<Vec<DVec3>> = halves
-            .into_par_iter()
-            .map(|half| half.iter().rev().chain(&half).copied().collect())
-            .collect();
+        let mut irradiance = horizontal_irradiance(&means);
         if self.sun {
-            let radiance = sun_radiance(elevation, self.turbidity);
-            irradiance += radiance * sun::irradiance_over_radiance(elevation) * elevation.sin();
-            sun::draw(&mut rows, elevation, radiance);
+            let sun = sun_radiance(elevation, self.turbidity);
+            irradiance += sun * sun::irradiance_over_radiance(elevation) * elevation.sin();
+            sun::draw(above, elevation, sun * SCALE);
         }
-        let ground = irradiance * (self.albedo / PI);
-        let sky = rows.par_iter().flatten_iter().copied();
-        let ground = rayon::iter::repeat_n(ground, WIDTH * HEIGHT / 2);
+        below.fill(
+            (irradiance * (self.albedo / PI) * SCALE)
+                .as_vec3()
+                .to_array(),
+        );
         Environment {
             width: Self::SIZE.0,
             height: Self::SIZE.1,
-            radiance: sky
-                .chain(ground)
-                .map(|texel| (texel * SCALE).as_vec3().to_array())
-                .collect(),
+            radiance,
             strength: 1.0,
             rotation: (self.azimuth - 90.0).to_radians() as f32,
         }
     }
 }
 
-/// What a sky sends on level ground, from the halves of its rows.
-fn horizontal_irradiance(halves: &[Vec<DVec3>]) -> DVec3 {
+/// What a sky sends on level ground, from the means of its rows.
+fn horizontal_irradiance(means: &[DVec3]) -> DVec3 {
     let step = PI / HEIGHT as f64;
-    let rows = halves.iter().enumerate().map(|(y, half)| {
+    let rows = means.iter().enumerate().map(|(y, mean)| {
         let (top, bottom) = (y as f64 * step, (y + 1) as f64 * step);
         // Integral of cos(theta) sin(theta) over the row, all around.
         let weight = PI * (bottom.sin().powi(2) - top.sin().powi(2));
-        half.iter().sum::<DVec3>() / half.len() as f64 * weight
+        mean * weight
     });
     rows.sum()
 }

@@ -12,6 +12,8 @@ mod environment;
 mod etc1s_file;
 mod extensions;
 mod geometry;
+mod ies;
+mod image_based;
 mod images;
 mod info;
 #[path = "../common/json_schema.rs"]

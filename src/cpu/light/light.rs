@@ -123,7 +123,7 @@ pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2, time: f64)
         }
         return result;
     }
-    result.Le = irradiance_punctual(light, result.wi, distance);
+    result.Le = irradiance_punctual(packed, light, result.wi, distance);
     result.pdf = f64::from(light.weight) / total;
     result.delta = 1;
     result

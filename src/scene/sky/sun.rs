@@ -104,16 +104,16 @@ pub fn irradiance_over_radiance(elevation: f64) -> f64 {
     PI * SUN_RADIUS.sin().powi(2) * visible_part(elevation)
 }
 
-/// Adds the disc to the rows above the horizon. Texels get the part of them that it covers, scaled so
+/// Adds the disc to the rows of texels above the horizon. Texels get the part of them that it covers, scaled so
 /// that the map, filtered bilinearly as it is looked up, sends the irradiance of the disc.
-pub fn draw(rows: &mut [Vec<DVec3>], elevation: f64, radiance: DVec3) {
+pub fn draw(texels: &mut [[f32; 3]], elevation: f64, radiance: DVec3) {
     let to_sun = direction(elevation, 0.0);
     let step = PI / HEIGHT as f64;
     let reach = (SUN_RADIUS + step).cos();
     let centre = (FRAC_PI_2 - elevation) / step;
     let margin = SUN_RADIUS / step + 1.0;
     let first = (centre - margin).max(0.0) as usize;
-    let last = ((centre + margin) as usize).min(rows.len() - 1);
+    let last = ((centre + margin) as usize).min(HEIGHT / 2 - 1);
     let mut covered = Vec::new();
     let mut total = 0.0;
     for y in first..=last {
@@ -131,7 +131,9 @@ pub fn draw(rows: &mut [Vec<DVec3>], elevation: f64, radiance: DVec3) {
     }
     let scale = irradiance_over_radiance(elevation) / total;
     for (x, y, part) in covered {
-        rows[y][x] += radiance * (part * scale);
+        let texel = &mut texels[y * WIDTH + x];
+        let sum = DVec3::from(texel.map(f64::from)) + radiance * (part * scale);
+        *texel = sum.as_vec3().to_array();
     }
 }
 
