@@ -12,6 +12,7 @@ use super::place::{KnownMeshes, Placer};
 use super::pointer::{self, Undo};
 use super::shutter::{self, Tracks};
 use super::source::{self, Source};
+use super::stroke::Strokes;
 use super::{
     AnimationChoice, AnimationInfo, Counts, LoadOptions, Loaded, Metadata, Moment, animation,
     camera, environment, extension, ies, image_based, light, material, node, variant, xmp,
@@ -31,6 +32,8 @@ pub struct Asset {
     buffers: Buffers,
     images: Images,
     meshes: KnownMeshes,
+    /// Of the scene at the first moment, where its strokes asked for it.
+    extent: Option<f32>,
     /// The one that the options name.
     environment: Option<Environment>,
     /// The one that the file brings.
@@ -83,6 +86,7 @@ impl Asset {
             buffers,
             images: Images::default(),
             meshes: KnownMeshes::default(),
+            extent: None,
             environment,
             image_based: image_based::Known::default(),
             profiles: ies::Profiles::default(),
@@ -194,6 +198,14 @@ impl Asset {
         if used.contains(&None) {
             scene.materials.push(material::default_material());
         }
+        let strokes = Strokes::read(
+            &root,
+            &nodes,
+            default_material,
+            &mut scene.materials,
+            &mut self.extent,
+            &mut notes,
+        )?;
         scene.images = self.images.decode(&root, &self.buffers, &self.source)?;
         self.taken = self.source.budget.used() - of_this_moment;
 
@@ -216,6 +228,7 @@ impl Asset {
             accessors,
             default_material,
             variant: self.variant,
+            strokes: &strokes,
             tracks: &tracks,
             notes: &mut notes,
         };

@@ -8,6 +8,7 @@ use super::json::Json;
 use super::material::MAX_TEXCOORDS;
 use super::normal;
 use super::notes::Notes;
+use super::stroke::{self, Strokes};
 use super::tangent;
 use super::variant;
 use crate::scene::{Material, Mesh, Primitive};
@@ -67,6 +68,7 @@ pub struct Meshes<'s, 'b> {
     pub default_material: usize,
     /// Of KHR_materials_variants.
     pub variant: Option<usize>,
+    pub strokes: &'s Strokes,
     pub notes: &'s mut Notes,
 }
 
@@ -82,7 +84,7 @@ impl Meshes<'_, '_> {
         };
         let mut primitives = Vec::new();
         for primitive in json.objects("primitives")? {
-            primitives.extend(self.primitive(&primitive, &pose)?);
+            primitives.extend(self.primitive(json, &primitive, &pose)?);
         }
         Ok(Mesh {
             name: json.name(),
@@ -92,19 +94,14 @@ impl Meshes<'_, '_> {
 
     fn primitive(
         &mut self,
+        mesh: &Json<'_>,
         json: &Json<'_>,
         pose: &Pose<'_>,
     ) -> Result<Option<Primitive>, GltfError> {
         let mode = json.uint("mode")?.unwrap_or(u64::from(TRIANGLES));
         let mode = u32::try_from(mode).unwrap_or(u32::MAX);
-        match mode {
-            TRIANGLES | TRIANGLE_STRIP | TRIANGLE_FAN => {}
-            0..=3 => {
-                let kind = if mode == 0 { "points" } else { "lines" };
-                self.notes.add(format!("{kind} are not drawn"), &json.at);
-                return Ok(None);
-            }
-            _ => return Err(json.invalid(format!("mode is {mode}; it must be 0 to 6"))),
+        if mode > TRIANGLE_FAN {
+            return Err(json.invalid(format!("mode is {mode}; it must be 0 to 6")));
         }
         let attributes = json
             .object("attributes")?
@@ -120,10 +117,7 @@ impl Meshes<'_, '_> {
             ..self.accessors
         };
         let mut vertices = self.vertices(&attributes, accessors)?;
-        let triangles = self.triangles(json, mode, vertices.positions.len(), accessors)?;
-        if triangles.is_empty() {
-            return Ok(None);
-        }
+        let corners = self.corners(json, vertices.positions.len(), accessors)?;
         let material = match variant::material(json, self.variant)? {
             Some((index, _)) => index,
             None => self.default_material,
@@ -131,6 +125,18 @@ impl Meshes<'_, '_> {
         deform::morph(&mut vertices, json, pose, accessors, self.notes)?;
         deform::skin(&mut vertices, &attributes, pose, accessors, self.notes)?;
         check_positions(&vertices, &attributes)?;
+        let (triangles, material) = if stroke::is_stroke(mode) {
+            self.notes.add(stroke::NOTE, &json.at);
+            let width = self.strokes.width(mesh, &vertices.positions);
+            let budget = self.accessors.budget;
+            let triangles = stroke::build(&mut vertices, &corners, mode, width, budget, json)?;
+            (triangles, self.strokes.material(material, &attributes))
+        } else {
+            (self.triangles(json, mode, &corners)?, material)
+        };
+        if triangles.is_empty() {
+            return Ok(None);
+        }
         Ok(Some(self.finish(vertices, triangles, material, json)?))
     }
 
@@ -250,33 +256,41 @@ impl Meshes<'_, '_> {
         Ok(vertices)
     }
 
-    /// glTF 2.0 section 3.7.2.1: lists, strips and fans.
-    fn triangles(
-        &mut self,
+    /// The vertices in the order of the indices, or in their own.
+    fn corners(
+        &self,
         json: &Json<'_>,
-        mode: u32,
         vertex_count: usize,
         accessors: Accessors<'_>,
-    ) -> Result<Vec<[u32; 3]>, GltfError> {
+    ) -> Result<Vec<u32>, GltfError> {
         let indices = accessors.integers::<1>(json, "indices", &["SCALAR"])?;
         let count = indices.as_ref().map_or(vertex_count, Vec::len);
-        let budget = self.accessors.budget;
-        budget.take(12 * count as u64, json.file(), &json.at)?;
-        if let Some(indices) = &indices
-            && let Some((place, [index])) = indices
-                .iter()
-                .enumerate()
-                .find(|(_, [index])| *index as usize >= vertex_count)
-        {
+        accessors
+            .budget
+            .take(4 * count as u64, json.file(), &json.at)?;
+        let Some(indices) = indices else {
+            return Ok((0..vertex_count as u32).collect());
+        };
+        let outside = |[index]: &[u32; 1]| *index as usize >= vertex_count;
+        if let Some((place, [index])) = indices.iter().enumerate().find(|(_, i)| outside(i)) {
             return Err(json.invalid(format!(
                 "index {index} (number {place} of its indices) is out of range: \
                  there are {vertex_count} vertices"
             )));
         }
-        let corner = |i: usize| match &indices {
-            Some(indices) => indices[i][0],
-            None => i as u32,
-        };
+        Ok(indices.into_iter().flatten().collect())
+    }
+
+    /// glTF 2.0 section 3.7.2.1: lists, strips and fans.
+    fn triangles(
+        &mut self,
+        json: &Json<'_>,
+        mode: u32,
+        corners: &[u32],
+    ) -> Result<Vec<[u32; 3]>, GltfError> {
+        let count = corners.len();
+        let budget = self.accessors.budget;
+        budget.take(12 * count as u64, json.file(), &json.at)?;
         let triangle_count = match mode {
             TRIANGLES => count / 3,
             _ => count.saturating_sub(2),
@@ -296,7 +310,7 @@ impl Meshes<'_, '_> {
                 TRIANGLE_STRIP => [i, i + 1 + i % 2, i + 2 - i % 2],
                 _ => [i + 1, i + 2, 0],
             })
-            .map(|triangle| triangle.map(corner))
+            .map(|triangle| triangle.map(|i| corners[i]))
             // Strips are stitched with triangles of no area.
             .filter(|[a, b, c]| a != b && b != c && c != a)
             .collect())

@@ -36,6 +36,7 @@ mod place;
 mod pointer;
 mod shutter;
 mod source;
+mod stroke;
 mod tangent;
 #[cfg(feature = "basisu")]
 mod uastc;

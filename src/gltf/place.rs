@@ -9,6 +9,7 @@ use super::mesh::{self, Meshes};
 use super::node::{self, Nodes};
 use super::notes::Notes;
 use super::shutter::Tracks;
+use super::stroke::Strokes;
 use super::variant;
 use crate::scene::{Instance, Mesh, Scene};
 use glam::{Affine3A, DAffine3, DMat4, Vec3};
@@ -44,6 +45,7 @@ pub struct Placer<'s, 'a, 'b> {
     /// Where a primitive without a material finds one.
     pub default_material: usize,
     pub variant: Option<usize>,
+    pub strokes: &'s Strokes,
     pub tracks: &'s Tracks,
     pub notes: &'s mut Notes,
 }
@@ -118,6 +120,7 @@ impl Placer<'_, '_, '_> {
                     materials: &scene.materials,
                     default_material: self.default_material,
                     variant: self.variant,
+                    strokes: self.strokes,
                     notes: self.notes,
                 };
                 let mesh = meshes.mesh(json, pose)?;

@@ -42,7 +42,7 @@ fn use_of(name: &str) -> Use {
             Use::Nothing("its camera is turned, and there is no picture of the backdrop alone")
         }
         ("Mesh_PrimitiveMode", "00" | "02" | "08" | "10") => {
-            Use::Nothing("it shows points or lines, which are reported and not drawn")
+            Use::Nothing("it shows points or lines, whose width is free")
         }
         ("Material_AlphaMask", "03") => Use::Empty,
         // Grey, white, or a mirror of lights that are not known.

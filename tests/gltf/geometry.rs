@@ -233,15 +233,6 @@ fn strips_and_fans_keep_their_winding() {
     let list = load(4, None);
     assert_eq!(only(&list).triangles, [[0, 1, 2]]);
     assert!(noted(&list, "no whole triangle"));
-    for (mode, kind) in [(0, "points"), (1, "lines"), (2, "lines"), (3, "lines")] {
-        let loaded = load(mode, None);
-        assert!(loaded.scene.instances.is_empty());
-        assert!(
-            noted(&loaded, &format!("{kind} are not drawn")),
-            "{:?}",
-            loaded.notes
-        );
-    }
 }
 
 #[test]

@@ -26,6 +26,7 @@ mod materials;
 mod nodes;
 mod oracle;
 mod pointers;
+mod strokes;
 
 use glam::Vec3;
 use snell::gltf::Loaded;
