@@ -1,8 +1,9 @@
 //! A camera for a scene that brings none.
 
-use crate::scene::{Camera, Projection, Scene};
+use crate::scene::{Camera, Mesh, Projection, Scene};
 use glam::{Affine3A, Mat3, Vec3};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+use std::sync::Arc;
 
 /// From the front (+z), a little to the right and a little above, so that depth can be seen and a
 /// board that faces +z can still be read. Radians.
@@ -19,22 +20,56 @@ const MARGIN: f32 = 1.05;
 /// The near plane, as a fraction of the distance to the scene.
 const NEAR: f32 = 1e-3;
 
-/// The smallest box around all instances, in world space; `None` for an empty scene.
+/// More vertices than these, instances included, are framed by the corners of their meshes' boxes.
+const EXACT_VERTICES: usize = 10_000_000;
+
+/// A box around all instances, in world space, where they are when the shutter opens; the smallest one
+/// for scenes of up to `EXACT_VERTICES`. `None` for an empty scene.
 pub fn bounds(scene: &Scene) -> Option<(Vec3, Vec3)> {
-    let points = world_positions(scene);
-    points.fold(None, |bounds, p| match bounds {
+    fn vertices(mesh: &Mesh) -> impl Iterator<Item = &Vec3> {
+        let primitives = mesh.primitives.iter();
+        primitives.flat_map(|primitive| &primitive.positions)
+    }
+    let instances = || scene.instances.iter();
+    let count = |mesh: &Arc<Mesh>| -> usize {
+        let primitives = mesh.primitives.iter();
+        primitives.map(|primitive| primitive.positions.len()).sum()
+    };
+    let counts: Vec<usize> = scene.meshes.iter().map(count).collect();
+    let total = instances().map(|instance| counts[instance.mesh]);
+    if total.fold(0, usize::saturating_add) <= EXACT_VERTICES {
+        return extent(instances().flat_map(|instance| {
+            let place = |p: &Vec3| instance.world_from_object.transform_point3(*p);
+            vertices(&scene.meshes[instance.mesh]).map(place)
+        }));
+    }
+    let boxes: Vec<_> = scene
+        .meshes
+        .iter()
+        .map(|mesh| extent(vertices(mesh).copied()).map(|(low, high)| corners(low, high)))
+        .collect();
+    extent(instances().flat_map(|instance| {
+        let place = |p: &Vec3| instance.world_from_object.transform_point3(*p);
+        boxes[instance.mesh].iter().flatten().map(place)
+    }))
+}
+
+fn extent(points: impl IntoIterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
+    points.into_iter().fold(None, |bounds, p| match bounds {
         None => Some((p, p)),
         Some((low, high)) => Some((p.min(low), p.max(high))),
     })
 }
 
-fn world_positions(scene: &Scene) -> impl Iterator<Item = Vec3> + '_ {
-    scene.instances.iter().flat_map(|instance| {
-        let primitives = &scene.meshes[instance.mesh].primitives;
-        primitives.iter().flat_map(|primitive| {
-            let place = |p: &Vec3| instance.world_from_object.transform_point3(*p);
-            primitive.positions.iter().map(place)
-        })
+fn corners(low: Vec3, high: Vec3) -> [Vec3; 8] {
+    std::array::from_fn(|corner| {
+        let pick =
+            |bit: usize, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
+        Vec3::new(
+            pick(0, low.x, high.x),
+            pick(1, low.y, high.y),
+            pick(2, low.z, high.z),
+        )
     })
 }
 
@@ -65,22 +100,27 @@ fn viewpoint(scene: &Scene, extent: Vec3) -> Vec3 {
     }
 }
 
-/// The sum of all triangles' area vectors, in world space.
+/// The sum of all triangles' area vectors, in world space. A matrix takes area vectors by its
+/// cofactors, so that each mesh is summed once.
 fn mean_normal(scene: &Scene) -> Vec3 {
-    let mut sum = Vec3::ZERO;
-    for instance in &scene.instances {
-        for primitive in &scene.meshes[instance.mesh].primitives {
-            let place = |index: u32| {
-                let p = primitive.positions[index as usize];
-                instance.world_from_object.transform_point3(p)
-            };
+    let of_mesh = |mesh: &Arc<Mesh>| {
+        let mut sum = Vec3::ZERO;
+        for primitive in &mesh.primitives {
             for triangle in &primitive.triangles {
-                let [a, b, c] = triangle.map(place);
+                let [a, b, c] = triangle.map(|index| primitive.positions[index as usize]);
                 sum += (b - a).cross(c - a);
             }
         }
-    }
-    sum
+        sum
+    };
+    let sums: Vec<Vec3> = scene.meshes.iter().map(of_mesh).collect();
+    let instances = scene.instances.iter();
+    instances.fold(Vec3::ZERO, |total, instance| {
+        let matrix = instance.world_from_object.matrix3;
+        let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+        let cofactors = Mat3::from_cols(y.cross(z).into(), z.cross(x).into(), x.cross(y).into());
+        total + cofactors * sums[instance.mesh]
+    })
 }
 
 /// A perspective camera that sees the whole scene in a picture of the given width over height.

@@ -25,6 +25,7 @@ mod ktx2_file;
 mod materials;
 mod nodes;
 mod oracle;
+mod oracle_animation;
 mod pointers;
 mod strokes;
 

@@ -9,7 +9,7 @@ use snell::gltf::{LoadOptions, load};
 use snell::scene::Scene;
 use std::path::Path;
 
-fn buffers(file: &gltf::Gltf, folder: &Path) -> Option<Vec<Vec<u8>>> {
+pub fn buffers(file: &gltf::Gltf, folder: &Path) -> Option<Vec<Vec<u8>>> {
     let read = |buffer: gltf::Buffer<'_>| match buffer.source() {
         Source::Bin => file.blob.clone(),
         Source::Uri(uri) if !uri.starts_with("data:") => std::fs::read(folder.join(uri)).ok(),
