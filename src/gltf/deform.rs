@@ -1,11 +1,11 @@
-//! Morph targets and skins in the pose that the file rests in.
+//! Morph targets and skins.
 
 use super::accessor::{Accessors, Attribute};
 use super::error::GltfError;
 use super::json::Json;
 use super::mesh::Vertices;
 use super::notes::Notes;
-use glam::{Affine3A, Mat3, Mat4, Vec3, Vec4Swizzles as _};
+use glam::{Affine3A, Mat3, Mat4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 
 /// What moves a mesh's vertices.
 #[derive(Default)]
@@ -25,42 +25,97 @@ pub fn morph(
     notes: &mut Notes,
 ) -> Result<(), GltfError> {
     const VEC3: Attribute = Attribute::of(&["VEC3"]);
+    const VEC2: Attribute = Attribute {
+        normalized: true,
+        ..Attribute::of(&["VEC2"])
+    };
+    const COLOR: Attribute = Attribute {
+        normalized: true,
+        ..Attribute::of(&["VEC3", "VEC4"])
+    };
     let weights = pose.weights.as_deref().unwrap_or_default();
+    let count = vertices.positions.len();
     for (target, &weight) in primitive.objects("targets")?.iter().zip(weights) {
         if weight == 0.0 {
             continue;
         }
-        let count = vertices.positions.len();
-        let read = |key: &str| -> Result<Vec<[f32; 3]>, GltfError> {
-            let values = accessors
-                .floats::<3>(target, key, &VEC3)?
-                .unwrap_or_default();
-            if values.is_empty() || values.len() == count {
-                return Ok(values);
-            }
-            Err(target.invalid(format!(
-                "{key} has {} elements and the primitive has {count}",
-                values.len()
-            )))
+        let mut read = Deltas {
+            target,
+            accessors,
+            count,
+            notes,
         };
-        for (position, delta) in vertices.positions.iter_mut().zip(read("POSITION")?) {
+        for (position, delta) in vertices
+            .positions
+            .iter_mut()
+            .zip(read.deltas("POSITION", &VEC3)?)
+        {
             *position += weight * Vec3::from(delta);
         }
         let normals = vertices.normals.iter_mut().flatten();
-        for (normal, delta) in normals.zip(read("NORMAL")?) {
+        for (normal, delta) in normals.zip(read.deltas("NORMAL", &VEC3)?) {
             *normal += weight * Vec3::from(delta);
         }
         let tangents = vertices.tangents.iter_mut().flatten();
-        for (tangent, delta) in tangents.zip(read("TANGENT")?) {
+        for (tangent, delta) in tangents.zip(read.deltas("TANGENT", &VEC3)?) {
             *tangent += (weight * Vec3::from(delta)).extend(0.0);
         }
-        for key in ["TEXCOORD_0", "COLOR_0"] {
-            if target.get(key).is_some() {
-                notes.add(format!("morphing of {key} is left out"), &target.at);
+        for (set, texcoords) in vertices.texcoords.iter_mut().enumerate() {
+            let deltas = read.deltas(&format!("TEXCOORD_{set}"), &VEC2)?;
+            for (texcoord, delta) in texcoords.iter_mut().zip(deltas) {
+                *texcoord += weight * Vec2::from(delta);
             }
         }
+        let colors = vertices.colors.iter_mut().flatten();
+        for (color, delta) in colors.zip(read.deltas("COLOR_0", &COLOR)?) {
+            *color += weight * Vec4::from(delta);
+        }
+    }
+    // Only the sum is a colour.
+    for color in vertices.colors.iter_mut().flatten() {
+        *color = color.clamp(Vec4::ZERO, Vec4::ONE);
     }
     Ok(())
+}
+
+/// Reads what a morph target adds to the attributes of a primitive.
+struct Deltas<'s, 'a, 'b> {
+    target: &'s Json<'a>,
+    accessors: Accessors<'b>,
+    /// Vertices of the primitive.
+    count: usize,
+    notes: &'s mut Notes,
+}
+
+impl Deltas<'_, '_, '_> {
+    /// None where the target leaves the attribute alone.
+    fn deltas<const N: usize>(
+        &mut self,
+        key: &str,
+        attribute: &Attribute,
+    ) -> Result<Vec<[f32; N]>, GltfError> {
+        let (target, count) = (self.target, self.count);
+        let values = self.accessors.floats::<N>(target, key, attribute)?;
+        let mut values = values.unwrap_or_default();
+        if !values.is_empty() && values.len() != count {
+            return Err(target.invalid(format!(
+                "{key} has {} elements and the primitive has {count}",
+                values.len()
+            )));
+        }
+        let bad = |delta: &[f32; N]| !delta.iter().all(|value| value.is_finite());
+        if let Some(vertex) = values.iter().position(bad) {
+            if key == "POSITION" {
+                return Err(target.invalid(format!("{key} of vertex {vertex} is not finite")));
+            }
+            let note = "displacements that are not finite are taken as zero";
+            self.notes.add(note, &target.at);
+            for delta in values.iter_mut().filter(|delta| bad(delta)) {
+                *delta = [0.0; N];
+            }
+        }
+        Ok(values)
+    }
 }
 
 /// Section 3.7.3.3: each vertex moves with the weighted mean of its joints.
@@ -88,8 +143,14 @@ pub fn skin(
         let (joint_key, weight_key) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
         let indices = accessors.integers::<4>(attributes, &joint_key, &["VEC4"])?;
         let weights = accessors.floats::<4>(attributes, &weight_key, &VEC4)?;
-        let (Some(indices), Some(weights)) = (indices, weights) else {
-            break;
+        let (indices, weights) = match (indices, weights) {
+            (Some(indices), Some(weights)) => (indices, weights),
+            (None, None) => break,
+            _ => {
+                return Err(attributes.invalid(format!(
+                    "{joint_key} and {weight_key} belong together and one is missing"
+                )));
+            }
         };
         if indices.len() != count || weights.len() != count {
             return Err(attributes.invalid(format!(

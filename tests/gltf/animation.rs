@@ -439,9 +439,11 @@ fn the_shutter_gives_what_moves_further_keys() {
 fn lights_are_where_they_are_in_the_middle_of_the_shutter() {
     let mut asset = Asset::triangle();
     asset.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    asset.json["cameras"] = json!([{"type": "orthographic",
+        "orthographic": {"xmag": 1, "ymag": 1, "znear": 0}}]);
     asset.push(
         "nodes",
-        json!({"extensions": {"KHR_lights_punctual": {"light": 0}}}),
+        json!({"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}),
     );
     asset.json["scenes"][0]["nodes"] = json!([0, 1]);
     animate(
@@ -455,7 +457,50 @@ fn lights_are_where_they_are_in_the_middle_of_the_shutter() {
     let loaded = file.scene(&blurred(0.5, 0.25)).unwrap();
     assert_close(loaded.scene.lights[0].position, [2.5, 0.0, 0.0]);
     assert!(noted(&loaded, "a light that moves is not blurred"));
+    assert_close(
+        loaded.scene.cameras[0].world_from_camera.translation,
+        [2.0, 0.0, 0.0],
+    );
+    assert!(noted(&loaded, "a camera that moves is not blurred"));
     let loaded = at(&mut file, 0.5);
     assert_close(loaded.scene.lights[0].position, [2.0, 0.0, 0.0]);
     assert!(!noted(&loaded, "blurred"));
+}
+
+/// A morphed triangle's attributes are their sums; colours are kept within 0 and 1.
+#[test]
+fn all_attributes_morph() {
+    let mut asset = Asset::triangle();
+    let normals = asset.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
+    let tangents = asset.floats("VEC4", &[1.0, 0.0, 0.0, -1.0].repeat(3));
+    let colors = asset.floats("VEC3", &[0.5, 0.5, 0.5].repeat(3));
+    let texcoords = asset.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+    let texture = asset.texture(&crate::asset::pixel_png([128, 128, 255, 255]));
+    asset.push("materials", json!({"normalTexture": {"index": texture}}));
+    asset.primitive()["material"] = json!(0);
+    for (name, accessor) in [
+        ("NORMAL", normals),
+        ("TANGENT", tangents),
+        ("COLOR_0", colors),
+        ("TEXCOORD_0", texcoords),
+    ] {
+        asset.primitive()["attributes"][name] = json!(accessor);
+    }
+    let normals = asset.floats("VEC3", &[0.0, 2.0, 0.0].repeat(3));
+    let tangents = asset.floats("VEC3", &[0.0, 0.0, 2.0].repeat(3));
+    let colors = asset.floats("VEC4", &[-2.0, 0.0, 2.0, 0.5].repeat(3));
+    let texcoords = asset.floats("VEC2", &[4.0, -4.0].repeat(3));
+    asset.primitive()["targets"] = json!([{"NORMAL": normals, "TANGENT": tangents,
+        "COLOR_0": colors, "TEXCOORD_0": texcoords}]);
+    asset.json["nodes"][0]["weights"] = json!([0.5]);
+    let loaded = asset.load();
+    let primitive = only(&loaded);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    assert_close(primitive.normals[0], [0.0, half, half]);
+    let tangent = primitive.tangents.as_ref().unwrap()[0];
+    assert_close(tangent.truncate(), [half, 0.0, half]);
+    assert_eq!(tangent.w, -1.0);
+    let color = primitive.colors.as_ref().unwrap()[0];
+    assert_eq!(color.to_array(), [0.0, 0.5, 1.0, 1.0]);
+    assert_eq!(primitive.texcoords[0][0].to_array(), [2.0, -1.0]);
 }

@@ -116,3 +116,37 @@ fn channels_that_make_no_sense() {
         "2 numbers; 2 keys of 2 take 4",
     );
 }
+
+#[test]
+fn displacements_that_make_no_sense() {
+    let target = "meshes[0].primitives[0].targets[0]";
+    let morphed = |values: &[f32]| {
+        let mut asset = Asset::triangle();
+        let deltas = asset.floats("VEC3", values);
+        asset.primitive()["targets"] = json!([{"POSITION": deltas}]);
+        asset.json["meshes"][0]["weights"] = json!([1]);
+        asset
+    };
+    let mut bad = [0.0; 9];
+    bad[4] = f32::NAN;
+    invalid(&morphed(&bad), target, "POSITION of vertex 1 is not finite");
+    invalid(
+        &morphed(&[0.0; 6]),
+        target,
+        "POSITION has 2 elements and the primitive has 3",
+    );
+}
+
+#[test]
+fn joints_without_weights() {
+    let mut asset = Asset::triangle();
+    let joints = asset.accessor(crate::asset::U8, "VEC4", 3, &[0; 12]);
+    asset.primitive()["attributes"]["JOINTS_0"] = json!(joints);
+    asset.json["nodes"][0]["skin"] = json!(0);
+    asset.json["skins"] = json!([{"joints": [0]}]);
+    invalid(
+        &asset,
+        "meshes[0].primitives[0].attributes",
+        "belong together",
+    );
+}
