@@ -141,10 +141,6 @@ impl Asset {
         let mut extensions = extension::inventory(&root)?;
         let files = (&self.buffers, &self.source);
         self.profiles.read(&root, files, &mut notes)?;
-        let own = match &self.environment {
-            None => self.image_based.environment(&root, files, &mut notes)?,
-            Some(_) => None,
-        };
         self.taken = self.source.budget.used();
         let mut tracks = Tracks::default();
         let mut lights = None;
@@ -174,6 +170,12 @@ impl Asset {
         let root = Json::root(&self.document);
         let nodes = node::Nodes::read(&root, &mut notes)?;
         let of_this_moment = self.source.budget.used() - self.taken;
+
+        let files = (&self.buffers, &self.source);
+        let own = match &self.environment {
+            None => self.image_based.environment(&root, files, &mut notes)?,
+            Some(_) => None,
+        };
 
         let mut scene = Scene::default();
         let mut materials = material::Materials {

@@ -59,6 +59,16 @@ const PROPERTIES: &[(&str, Kind)] = &[
     ("cameras/*/perspective/aspectRatio", SCALAR),
     ("cameras/*/perspective/yfov", SCALAR),
     ("cameras/*/perspective/znear", SCALAR),
+    (
+        "extensions/EXT_lights_image_based/lights/*/rotation",
+        Kind::Rotation,
+    ),
+    (
+        "extensions/EXT_lights_image_based/lights/*/intensity",
+        SCALAR,
+    ),
+    ("nodes/*/extensions/EXT_lights_ies/multiplier", SCALAR),
+    ("nodes/*/extensions/EXT_lights_ies/color", RGB),
     ("extensions/KHR_lights_punctual/lights/*/color", RGB),
     ("extensions/KHR_lights_punctual/lights/*/intensity", SCALAR),
     ("extensions/KHR_lights_punctual/lights/*/range", SCALAR),

@@ -10,7 +10,7 @@ use snell::gltf::{LoadOptions, Loaded};
 use snell::pack::{Background, Packed, View, pack};
 
 /// A file of LM-63: photometric type, vertical and horizontal angles, and candela as a function of them.
-fn ies(
+pub fn ies(
     kind: u32,
     vertical: &[f64],
     horizontal: &[f64],
@@ -32,7 +32,7 @@ fn ies(
     text
 }
 
-fn lamp(text: &str, instance: Value, node: Value) -> Asset {
+pub fn lamp(text: &str, instance: Value, node: Value) -> Asset {
     let mut asset = Asset::triangle();
     let view = asset.view(text.as_bytes());
     asset.json["extensions"] = json!({"EXT_lights_ies": {"lights": [

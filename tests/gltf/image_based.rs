@@ -49,7 +49,7 @@ fn rgbd(color: DVec3) -> [u8; 4] {
     [r, g, b, (divisor * 255.0) as u8]
 }
 
-fn lit_by(images: &[Vec<u8>], rest: Value) -> Asset {
+pub fn lit_by(images: &[Vec<u8>], rest: Value) -> Asset {
     let mut asset = Asset::triangle();
     let indices: Vec<usize> = images
         .iter()
@@ -76,7 +76,7 @@ fn lit_by(images: &[Vec<u8>], rest: Value) -> Asset {
     asset
 }
 
-fn faces() -> Vec<Vec<u8>> {
+pub fn faces() -> Vec<Vec<u8>> {
     (0..6)
         .map(|face| png([SIZE; 2], |s, t| rgbd(light(direction(face, s, t)))))
         .collect()

@@ -245,3 +245,43 @@ fn pointers_that_lead_nowhere() {
     let wrong = error("/nodes/0/translation", "SCALAR", &[0.0, 1.0], "LINEAR").to_string();
     assert!(wrong.contains("it is SCALAR where VEC3 belongs"), "{wrong}");
 }
+
+#[test]
+fn lamps_and_light_from_images() {
+    let text = crate::ies::ies(1, &[0.0, 90.0], &[0.0], |_, _| 1.0);
+    let mut asset = crate::ies::lamp(&text, json!({"multiplier": 7}), json!({}));
+    let multiplier = "/nodes/1/extensions/EXT_lights_ies/multiplier";
+    drive(&mut asset, multiplier, "SCALAR", &[2.0, 4.0], "LINEAR");
+    let loaded = at(&mut open(&asset), 0.5);
+    assert_close(loaded.scene.lights[0].intensity, [3.0; 3]);
+
+    let mut asset = crate::image_based::lit_by(&crate::image_based::faces(), json!({}));
+    let light = "/extensions/EXT_lights_image_based/lights/0";
+    let intensity = format!("{light}/intensity");
+    drive(&mut asset, &intensity, "SCALAR", &[2.0, 4.0], "LINEAR");
+    let half_turn = [0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0];
+    drive(
+        &mut asset,
+        &format!("{light}/rotation"),
+        "VEC4",
+        &half_turn,
+        "LINEAR",
+    );
+    let mut file = open(&asset);
+    let mut environment = |seconds| at(&mut file, seconds).scene.environment.unwrap();
+    let (before, after) = (environment(0.0), environment(1.0));
+    assert_eq!((before.strength, after.strength), (2.0, 4.0));
+    // Half a turn about +y is half a row of the map.
+    let (width, row) = (before.width as usize, before.height as usize / 2);
+    let texel = |x: usize| row * width + x;
+    for x in [0, 3, width / 3] {
+        let a = Vec3::from(before.radiance[texel(x)]);
+        let b = Vec3::from(after.radiance[texel((x + width / 2) % width)]);
+        assert!((a - b).length() < 0.02, "{a} is not {b}");
+        let unturned = Vec3::from(after.radiance[texel(x)]);
+        assert!(
+            (a - unturned).length() > 0.02,
+            "{a} is {unturned}, unturned"
+        );
+    }
+}
