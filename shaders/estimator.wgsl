@@ -6,6 +6,7 @@ import package::variant::{MOTION};
 // Dimension 0 places the sample in its pixel; each bounce takes a block of its own, so that a draw
 // that one path skips does not shift the next bounce's draws.
 const DIMENSION_PIXEL: u32 = 0u;
+const DIMENSION_LENS: u32 = 0xfffffffeu;
 const DIMENSION_TIME: u32 = 0xffffffffu; // behind all bounces, so that still pictures do not depend on it
 const DIMENSION_BOUNCE: u32 = 1u;
 const DIMENSIONS_PER_BOUNCE: u32 = 8u;

@@ -79,6 +79,9 @@ const LIGHT_PROFILE: u32 = 5u;
 // `Camera.kind`
 const CAMERA_PERSPECTIVE: u32 = 0u;
 const CAMERA_ORTHOGRAPHIC: u32 = 1u;
+const CAMERA_PANORAMA: u32 = 2u;
+const CAMERA_BROWN_CONRADY: u32 = 3u; // perspective through a lens that distorts
+const CAMERA_FISHEYE: u32 = 4u;
 
 // `Frame.background_kind`: what a camera ray that meets nothing brings home.
 const BACKGROUND_ENVIRONMENT: u32 = 0u;
@@ -103,7 +106,7 @@ const INTERFERENCE_TABLE_SIZE: u32 = 257u;
 const INTERFERENCE_STEP: f32 = 32.0;
 const INTERFERENCE_CARRIER: f32 = 520.0;
 
-// A pinhole or a parallel camera in world space; `right`, `up`, `forward` are orthonormal.
+// A camera in world space; `right`, `up`, `forward` are orthonormal.
 struct Camera {
     origin: vec3<f32>,
     kind: u32,
@@ -112,7 +115,17 @@ struct Camera {
     up: vec3<f32>,
     half_height: f32,
     forward: vec3<f32>,
-    near: f32,        // metres along forward; nothing nearer is seen
+    near: f32,        // metres along forward, fisheye and panorama: all around; nothing nearer is seen
+    closing_origin: vec3<f32>, // where it is when the shutter closes, if it moves
+    lens_radius: f32, // metres; 0: a pinhole
+    closing_right: vec3<f32>,
+    focus: f32,       // metres along forward to the plane in focus
+    closing_forward: vec3<f32>,
+    moves: u32,       // 1: it does
+    center: vec2<f32>, // of the film, from the axis to the right and down, at one metre of depth
+    reserved: vec2<u32>,
+    // Brown-Conrady: (k1, k2, p1, p2), (k3, k4, k5, k6), (s1, s2, s3, s4); fisheye: (k1, k2, k3, k4).
+    distortion: array<vec4<f32>, 3>,
 }
 
 // What changes between dispatches, and what is one per picture. A uniform.

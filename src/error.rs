@@ -23,6 +23,8 @@ pub enum Error {
         path: PathBuf,
         source: std::io::Error,
     },
+    #[error("the intrinsics {path}: {message}")]
+    Intrinsics { path: PathBuf, message: String },
     #[error(
         "'{scene}' uses what is ignored: {}; leave --strict away to render it all the same",
         list(ignored)
@@ -78,14 +80,17 @@ impl Error {
         match self {
             Error::Usage(_) => 2,
             Error::Stdout(_) => 8,
-            Error::Input { .. } => 3,
+            Error::Input { .. } | Error::Intrinsics { .. } => 3,
             Error::Strict { .. } => 4,
             Error::FilmTooLarge { .. } => 6,
             Error::Frame { source, .. } => source.exit_status(),
             Error::Gltf(error) => error.exit_status(),
             Error::Pack(error) => match error {
                 PackError::TooMany { .. } | PackError::TooManyKeys { .. } => 6,
-                PackError::TooFar { .. } | PackError::TooDeep { .. } | PackError::Model { .. } => 3,
+                PackError::Folded { .. }
+                | PackError::TooFar { .. }
+                | PackError::TooDeep { .. }
+                | PackError::Model { .. } => 3,
             },
             Error::Render(error) => match error {
                 RenderError::Upload(

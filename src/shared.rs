@@ -60,6 +60,9 @@ pub const LIGHT_ENVIRONMENT: u32 = 4;
 pub const LIGHT_PROFILE: u32 = 5;
 pub const CAMERA_PERSPECTIVE: u32 = 0;
 pub const CAMERA_ORTHOGRAPHIC: u32 = 1;
+pub const CAMERA_PANORAMA: u32 = 2;
+pub const CAMERA_BROWN_CONRADY: u32 = 3;
+pub const CAMERA_FISHEYE: u32 = 4;
 pub const BACKGROUND_ENVIRONMENT: u32 = 0;
 pub const BACKGROUND_COLOR: u32 = 1;
 pub const BACKGROUND_TRANSPARENT: u32 = 2;
@@ -75,7 +78,7 @@ pub const INTERFERENCE_TABLE_SIZE: u32 = 257;
 pub const INTERFERENCE_STEP: f64 = 32.0;
 pub const INTERFERENCE_CARRIER: f64 = 520.0;
 
-/// A pinhole or a parallel camera in world space; `right`, `up`, `forward` are orthonormal.
+/// A camera in world space; `right`, `up`, `forward` are orthonormal.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Camera {
@@ -87,6 +90,15 @@ pub struct Camera {
     pub half_height: f32,
     pub forward: [f32; 3],
     pub near: f32,
+    pub closing_origin: [f32; 3],
+    pub lens_radius: f32,
+    pub closing_right: [f32; 3],
+    pub focus: f32,
+    pub closing_forward: [f32; 3],
+    pub moves: u32,
+    pub center: [f32; 2],
+    pub reserved: [u32; 2],
+    pub distortion: [[f32; 4]; 3],
 }
 
 /// What changes between dispatches, and what is one per picture. A uniform.

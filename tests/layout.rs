@@ -62,7 +62,16 @@ fn structures_agree_field_by_field() {
                 up,
                 half_height,
                 forward,
-                near
+                near,
+                closing_origin,
+                lens_radius,
+                closing_right,
+                focus,
+                closing_forward,
+                moves,
+                center,
+                reserved,
+                distortion
             }),
         ),
         (

@@ -488,6 +488,8 @@ fn the_camera_keeps_its_vertical_angle() {
             tilt,
             Vec3::ONE,
         ),
+        closing: None,
+        lens: None,
         projection: Projection::Perspective {
             yfov: 1.0,
             aspect: Some(1.0),

@@ -4,10 +4,11 @@
 
 mod common;
 
+use bytemuck::Zeroable;
 use common::shapes::Random;
 use common::statistics::{assert_p, assert_uniform, chi_square_p};
 use glam::{DVec2, DVec3, UVec2, Vec3};
-use snell::cpu::camera::camera_ray;
+use snell::cpu::camera::{camera_at, camera_ray};
 use snell::cpu::rng::{hash_combine, hash_u32, next_1d, next_2d, rng_init};
 use snell::cpu::sample::*;
 use snell::cpu::sobol::{owen_scramble, sobol_dimension0, sobol_dimension1};
@@ -394,6 +395,7 @@ fn camera(kind: u32, uniform: &mut Random) -> Camera {
         half_height: uniform.range(0.1, 2.0),
         forward: forward.to_array(),
         near: uniform.range(0.01, 1.0),
+        ..Camera::zeroed()
     }
 }
 
@@ -429,13 +431,18 @@ struct Query { camera: Camera, position: vec4<f32> }
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&queries) { return; }
-    answers[id.x] = camera_ray(queries[id.x].camera, vec2<u32>(640u, 480u), queries[id.x].position.xy);
+    answers[id.x] = camera_ray(queries[id.x].camera, vec2<u32>(640u, 480u), queries[id.x].position.xy, vec2(0.0));
 }";
     let answers = common::run(root, &[&bytes], COUNT * 48, COUNT as u32);
     let answers: Vec<[f32; 12]> = bytemuck::pod_collect_to_vec(&answers);
     for ((camera, [x, y, ..]), a) in queries.iter().zip(&answers) {
         let position = DVec2::new((*x).into(), (*y).into());
-        let ray = camera_ray(camera, UVec2::new(640, 480), position);
+        let ray = camera_ray(
+            &camera_at(camera, 0.0),
+            UVec2::new(640, 480),
+            position,
+            DVec2::ZERO,
+        );
         let origin = DVec3::new(a[0].into(), a[1].into(), a[2].into());
         let direction = DVec3::new(a[4].into(), a[5].into(), a[6].into());
         assert!((origin - ray.origin).length() < 1e-5);
@@ -461,7 +468,12 @@ fn camera_rays_pass_through_the_film() {
             (100.0, 50.0, 0.0, 0.0),
             (150.0, 100.0, 0.5, -1.0),
         ] {
-            let ray = camera_ray(&camera, film, DVec2::new(x, y));
+            let ray = camera_ray(
+                &camera_at(&camera, 0.0),
+                film,
+                DVec2::new(x, y),
+                DVec2::ZERO,
+            );
             let start = ray.origin + ray.t_min * ray.direction - axis(camera.origin);
             let near = f64::from(camera.near);
             assert!(

@@ -3,10 +3,10 @@
 import package::bindings::{frame};
 import package::kernels::state::{Path, store_path, paths, plane, PLANE_RADIANCE, PLANE_QUEUES, WORKGROUP};
 import package::kernels::slots::{slot_pixel};
-import package::estimator::{DIMENSION_PIXEL};
+import package::estimator::{DIMENSION_LENS, DIMENSION_PIXEL, path_time};
 import package::rng::{rng_init, next_2d};
-import package::sample::{sample_blackman_harris};
-import package::camera::{camera_ray};
+import package::sample::{sample_blackman_harris, sample_disk_concentric};
+import package::camera::{camera_at, camera_ray};
 import package::medium::{MEDIA_NONE};
 
 @compute @workgroup_size(WORKGROUP)
@@ -23,7 +23,13 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     let position = vec2<f32>(pixel) + 0.5
         + vec2(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
     // The path's time needs no place in its state: path_time gives it again.
-    let ray = camera_ray(frame.camera, frame.film_size, position);
+    let camera = camera_at(frame.camera, path_time(rng));
+    var lens = vec2(0.0);
+    if camera.lens_radius > 0.0 {
+        rng.dimension = DIMENSION_LENS;
+        lens = sample_disk_concentric(next_2d(&rng));
+    }
+    let ray = camera_ray(camera, frame.film_size, position, lens);
     store_path(slot, Path(ray, 0u, 1.0, true, vec3(1.0), 1.0, MEDIA_NONE, 0.0, rng));
     paths[plane(PLANE_RADIANCE, slot)] = bitcast<vec4<u32>>(vec4(0.0, 0.0, 0.0, 1.0));
     paths[plane(PLANE_QUEUES, slot)].x = slot;

@@ -106,6 +106,8 @@ fn info(args: &InfoArgs, asset: &Asset, loaded: Loaded) -> Result<Info, Error> {
                 kind: match camera.projection {
                     Projection::Perspective { .. } => "perspective",
                     Projection::Orthographic { .. } => "orthographic",
+                    Projection::Panorama => "panorama",
+                    Projection::Intrinsics(_) => "intrinsics",
                 },
             })
             .collect(),

@@ -3,6 +3,7 @@
 pub mod bsdf;
 pub mod doctor;
 pub mod info;
+mod intrinsics;
 mod moment;
 pub mod plot;
 mod record;
@@ -50,7 +51,7 @@ impl Cli {
     /// Does what was asked for.
     pub fn run(self) -> Result<(), Error> {
         match self.command {
-            Command::Render(args) => render::run(&args),
+            Command::Render(args) => render::run(&*args.sized()?),
             Command::Doctor(args) => doctor::run(&args),
             Command::Info(args) => info::run(&args),
             Command::Bsdf(args) => bsdf::run(&args),

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 
+use super::intrinsics::{self, Calibration};
 use super::record::{self, Inputs, Made};
 use super::renderer::Renderer;
 use super::sequence::{Frames, Sequence, Shot};
@@ -28,8 +29,11 @@ pub struct RenderArgs {
     #[arg(short, long = "output", required = true, value_name = "OUT")]
     pub output: Vec<PathBuf>,
 
-    /// Width and height in pixels.
-    #[arg(long, default_value = "800x600", value_name = "WxH", value_parser = value::size)]
+    /// Width and height in pixels; 800x600 unless --intrinsics says otherwise.
+    #[arg(long = "size", value_name = "WxH", value_parser = value::size)]
+    pub asked_size: Option<[u32; 2]>,
+    /// The size that comes of it.
+    #[arg(skip = [800, 600])]
     pub size: [u32; 2],
     /// Samples of each pixel.
     #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -75,12 +79,27 @@ pub struct RenderArgs {
     pub variant: Option<String>,
 
     /// A camera of the scene by name or number from 0, or 'auto' for one that frames everything;
-    /// in a sequence, everything at all times of what plays.
-    #[arg(long, value_name = "NAME|INDEX|auto")]
+    /// in a sequence, everything at all times of what plays. 'panorama' looks all around, from the
+    /// scene's centre or from where a camera of the scene is.
+    #[arg(long, value_name = "NAME|INDEX|auto|panorama[:NAME|:INDEX]")]
     pub camera: Option<String>,
-    /// A camera around the scene's centre: degrees about +y from +z, degrees down from +y, metres.
-    #[arg(long, value_name = "THETA,PHI,RADIUS", value_parser = value::orbit, conflicts_with = "camera", allow_hyphen_values = true)]
-    pub orbit: Option<[f64; 3]>,
+    /// A camera around the scene's centre, or around X,Y,Z: degrees about +y from +z, degrees down from
+    /// +y, metres.
+    #[arg(long, value_name = "THETA,PHI,RADIUS[,X,Y,Z]", value_parser = value::orbit, conflicts_with = "camera", allow_hyphen_values = true)]
+    pub orbit: Option<value::Orbit>,
+    /// Diameter of a thin lens in metres; 0 is a pinhole, which has everything in focus.
+    #[arg(long, default_value_t = 0.0, value_name = "METRES", value_parser = value::not_negative, allow_negative_numbers = true)]
+    pub aperture: f64,
+    /// Distance to the plane in focus along the camera's axis; without it, to what the middle of the
+    /// picture shows.
+    #[arg(long, value_name = "METRES", value_parser = value::positive, allow_negative_numbers = true, requires = "aperture")]
+    pub focus: Option<f64>,
+    /// A calibrated camera, as OpenCV has it; see schema/intrinsics.schema.json.
+    #[arg(long, value_name = "FILE.json")]
+    pub intrinsics: Option<PathBuf>,
+    /// What is in that file.
+    #[arg(skip)]
+    pub calibration: Option<Calibration>,
 
     /// Light from all around: a map (.hdr, .exr, or an ordinary picture), a colour ('#rrggbb' sRGB,
     /// 'r,g,b' linear radiance), or 'sky', a computed sun and sky. Its keys: elevation (degrees, 0 to
@@ -132,6 +151,23 @@ pub struct RenderArgs {
     /// Say nothing but warnings and errors.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+impl RenderArgs {
+    /// With the calibration read, and the size that it or the arguments give.
+    pub fn sized(mut self: Box<Self>) -> Result<Box<Self>, Error> {
+        self.calibration = self
+            .intrinsics
+            .as_deref()
+            .map(intrinsics::read)
+            .transpose()?;
+        if let Some(calibration) = &self.calibration {
+            self.size = intrinsics::size(&calibration.intrinsics, self.asked_size)?;
+        } else if let Some(size) = self.asked_size {
+            self.size = size;
+        }
+        Ok(self)
+    }
 }
 
 /// Renders and writes; the order is that of the checks: nothing that can be known to fail is started.

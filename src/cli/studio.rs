@@ -73,7 +73,7 @@ impl<'a> Studio<'a> {
             self.stage = Some(self.survey(&loaded, &shot)?);
         }
         let (camera, camera_name) = view::choose(scene, args, self.stage.as_ref(), shot.turn)?;
-        let packed = self.packer.pack(
+        let mut packed = self.packer.pack(
             scene,
             &View {
                 camera,
@@ -88,6 +88,7 @@ impl<'a> Studio<'a> {
                 clamp: args.clamp.map(|limit| limit as f32),
             },
         )?;
+        view::focus(scene, args, &mut packed)?;
         times.pack = report::milliseconds(start.elapsed());
         Ok(Job {
             shot,

@@ -60,13 +60,39 @@ pub fn frames(text: &str) -> Result<Frames, String> {
     })
 }
 
-/// `THETA,PHI,RADIUS`: degrees, degrees, metres.
-pub fn orbit(text: &str) -> Result<[f64; 3], String> {
-    let orbit = numbers::<f64, 3>(text, "give THETA,PHI,RADIUS in degrees, degrees, metres")?;
-    if orbit.iter().all(|x| x.is_finite()) && orbit[2] > 0.0 {
-        Ok(orbit)
+/// A camera on a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orbit {
+    /// Degrees about +y from +z.
+    pub theta: f64,
+    /// Degrees down from +y.
+    pub phi: f64,
+    /// Metres.
+    pub radius: f64,
+    /// What it looks at; `None`: the scene's centre.
+    pub target: Option<[f64; 3]>,
+}
+
+/// `THETA,PHI,RADIUS` or `THETA,PHI,RADIUS,X,Y,Z`: degrees, degrees, metres.
+pub fn orbit(text: &str) -> Result<Orbit, String> {
+    const FORM: &str =
+        "give THETA,PHI,RADIUS or THETA,PHI,RADIUS,X,Y,Z in degrees, degrees, metres";
+    let ([theta, phi, radius], target) = match numbers::<f64, 6>(text, FORM) {
+        Ok([theta, phi, radius, x, y, z]) => ([theta, phi, radius], Some([x, y, z])),
+        Err(_) => (numbers::<f64, 3>(text, FORM)?, None),
+    };
+    let all = [theta, phi, radius]
+        .into_iter()
+        .chain(target.into_iter().flatten());
+    if all.clone().all(f64::is_finite) && radius > 0.0 {
+        Ok(Orbit {
+            theta,
+            phi,
+            radius,
+            target,
+        })
     } else {
-        Err("angles are finite and the radius is more than 0 metres".into())
+        Err("angles and the target are finite and the radius is more than 0 metres".into())
     }
 }
 

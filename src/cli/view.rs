@@ -1,11 +1,19 @@
 //! From where: a camera of the scene, one on an orbit, or one that frames everything.
 
-use glam::{Affine3A, Mat3, Quat, Vec3};
+use glam::{Affine3A, DVec2, DVec3, Mat3, Quat, UVec2, Vec3};
 
 use super::render::RenderArgs;
+use super::value::Orbit;
+use crate::cpu::bvh::trace_closest;
+use crate::cpu::camera::{PlacedCamera, camera_at, camera_ray};
 use crate::error::Error;
-use crate::gltf::framing_camera;
-use crate::scene::{Camera, Projection, Scene};
+use crate::gltf::{self, framing_camera};
+use crate::pack::Packed;
+use crate::scene::{Camera, Distortion, Intrinsics, Lens, Projection, Scene};
+use crate::shared::NONE;
+
+/// The choice of a camera that looks all around.
+const PANORAMA: &str = "panorama";
 
 /// Vertical field of view of cameras on an orbit, radians.
 const YFOV: f32 = std::f32::consts::FRAC_PI_4;
@@ -42,7 +50,7 @@ pub fn around(one: Option<(Vec3, Vec3)>, other: Option<(Vec3, Vec3)>) -> Option<
 pub fn is_staged(scene: &Scene, args: &RenderArgs) -> bool {
     args.turntable.is_some()
         || match args.camera.as_deref() {
-            Some(choice) => choice == "auto",
+            Some(choice) => choice == "auto" || choice == PANORAMA,
             None => args.orbit.is_some() || scene.cameras.is_empty(),
         }
 }
@@ -60,9 +68,71 @@ pub fn choose(
         let turn = Quat::from_rotation_y(degrees.to_radians() as f32);
         let about = Affine3A::from_rotation_translation(turn, stage.center - turn * stage.center);
         camera.world_from_camera = about * camera.world_from_camera;
+        camera.closing = camera.closing.map(|pose| about * pose);
         name = format!("{name} turned by {degrees}");
     }
+    if let Some(calibration) = &args.calibration {
+        if camera.projection == Projection::Panorama {
+            return Err(Error::Usage(
+                "--intrinsics and --camera panorama are two cameras; give one".into(),
+            ));
+        }
+        camera.projection = Projection::Intrinsics(calibration.intrinsics);
+    }
+    if args.aperture > 0.0 {
+        if let Some(without) = without_lens(&camera.projection) {
+            return Err(Error::Usage(format!(
+                "--aperture is of a lens, and {without} camera has none; leave it away or take a perspective camera"
+            )));
+        }
+        camera.lens = Some(Lens {
+            aperture: args.aperture as f32,
+            focus: args.focus.map(|metres| metres as f32),
+        });
+    }
     Ok((camera, name))
+}
+
+/// What a camera is called that a thin lens says nothing of.
+fn without_lens(projection: &Projection) -> Option<&'static str> {
+    match projection {
+        Projection::Orthographic { .. } => Some("an orthographic"),
+        Projection::Panorama => Some("a panorama"),
+        Projection::Intrinsics(Intrinsics {
+            distortion: Distortion::Fisheye(_),
+            ..
+        }) => Some("a fisheye"),
+        Projection::Perspective { .. } | Projection::Intrinsics(_) => None,
+    }
+}
+
+/// Puts in focus what the middle of the picture shows, if a lens was asked for and nothing else said: the
+/// scene's centre where it shows nothing.
+pub fn focus(scene: &Scene, args: &RenderArgs, packed: &mut Packed) -> Result<(), Error> {
+    if args.aperture <= 0.0 || args.focus.is_some() {
+        return Ok(());
+    }
+    let camera = camera_at(&packed.frame.camera, 0.0);
+    let pinhole = PlacedCamera {
+        lens_radius: 0.0,
+        ..camera
+    };
+    let film_size = UVec2::from(packed.frame.film_size);
+    let ray = camera_ray(&pinhole, film_size, 0.5 * film_size.as_dvec2(), DVec2::ZERO);
+    let hit = trace_closest(packed, ray, 0);
+    let shown = match (hit.instance, gltf::bounds(scene)) {
+        (NONE, None) => None,
+        (NONE, Some((low, high))) => Some(low.midpoint(high).as_dvec3()),
+        _ => Some(ray.origin + hit.t * ray.direction),
+    };
+    let distance = shown.map_or(0.0, |p| (p - camera.origin).dot(camera.forward));
+    if distance <= 0.0 {
+        return Err(Error::Usage(
+            "--aperture needs --focus: there is nothing ahead of the camera to focus on".into(),
+        ));
+    }
+    packed.frame.camera.focus = distance as f32;
+    Ok(())
 }
 
 /// The same without a turn.
@@ -71,9 +141,44 @@ fn standing(
     args: &RenderArgs,
     stage: Option<&Stage>,
 ) -> Result<(Camera, String), Error> {
-    if let (Some([theta, phi, radius]), Some(stage)) = (args.orbit, stage) {
-        let camera = orbiting(stage.center, theta, phi, radius);
-        return Ok((camera, format!("orbit {theta},{phi},{radius}")));
+    if let Some(pose) = args
+        .calibration
+        .and_then(|calibration| calibration.world_from_camera)
+    {
+        let mut camera = orbiting(Vec3::ZERO, 0.0, 90.0, 1.0);
+        camera.world_from_camera = pose;
+        return Ok((camera, "intrinsics".to_owned()));
+    }
+    if let (Some(orbit), Some(stage)) = (args.orbit, stage) {
+        let Orbit {
+            theta,
+            phi,
+            radius,
+            target,
+        } = orbit;
+        let around = target.map_or_else(String::new, |[x, y, z]| format!(",{x},{y},{z}"));
+        let target = target.map_or(stage.center, |target| DVec3::from(target).as_vec3());
+        let camera = orbiting(target, theta, phi, radius);
+        return Ok((camera, format!("orbit {theta},{phi},{radius}{around}")));
+    }
+    if let Some(choice) = args
+        .camera
+        .as_deref()
+        .and_then(|choice| choice.strip_prefix(PANORAMA))
+    {
+        let camera = match (choice.strip_prefix(':'), stage) {
+            (Some(choice), _) => Some(find(scene, choice)?.0),
+            (None, Some(stage)) if choice.is_empty() => {
+                let mut camera = orbiting(stage.center, 0.0, 90.0, 1.0);
+                camera.world_from_camera = Affine3A::from_translation(stage.center);
+                Some(camera)
+            }
+            _ => None,
+        };
+        if let Some(mut camera) = camera {
+            camera.projection = Projection::Panorama;
+            return Ok((camera, args.camera.clone().unwrap_or_default()));
+        }
     }
     let framing = stage.map(|stage| (stage.framing.clone(), "auto".to_owned()));
     match (args.camera.as_deref(), scene.cameras.first(), framing) {
@@ -81,17 +186,22 @@ fn standing(
         (None | Some("auto"), _, Some(framing)) => Ok(framing),
         (choice, ..) => {
             let choice = choice.unwrap_or("auto");
-            // A name wins over a number: a camera may be named "2".
-            let index = scene
-                .cameras
-                .iter()
-                .position(|camera| camera.name == choice)
-                .or_else(|| choice.parse().ok().filter(|&i| i < scene.cameras.len()))
-                .ok_or_else(|| no_such_camera(scene, choice))?;
-            let camera = &scene.cameras[index];
-            Ok((camera.clone(), named(camera, index)))
+            find(scene, choice)
         }
     }
+}
+
+/// A camera of the scene, and what to call it.
+fn find(scene: &Scene, choice: &str) -> Result<(Camera, String), Error> {
+    // A name wins over a number: a camera may be named "2".
+    let index = scene
+        .cameras
+        .iter()
+        .position(|camera| camera.name == choice)
+        .or_else(|| choice.parse().ok().filter(|&i| i < scene.cameras.len()))
+        .ok_or_else(|| no_such_camera(scene, choice))?;
+    let camera = &scene.cameras[index];
+    Ok((camera.clone(), named(camera, index)))
 }
 
 fn named(camera: &Camera, index: usize) -> String {
@@ -140,6 +250,8 @@ fn orbiting(target: Vec3, theta: f64, phi: f64, radius: f64) -> Camera {
             Mat3::from_cols(right, up, back),
             target + back * radius as f32,
         ),
+        closing: None,
+        lens: None,
         projection: Projection::Perspective {
             yfov: YFOV,
             aspect: None,

@@ -4,6 +4,7 @@ use super::rng::{Rng, hash_combine, next_1d};
 use glam::DVec3;
 
 pub const DIMENSION_PIXEL: u32 = 0;
+pub const DIMENSION_LENS: u32 = 4294967294;
 pub const DIMENSION_TIME: u32 = u32::MAX;
 pub const DIMENSION_BOUNCE: u32 = 1;
 pub const DIMENSIONS_PER_BOUNCE: u32 = 8;

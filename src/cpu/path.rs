@@ -4,7 +4,7 @@
 use super::bsdf::bsdf::{bsdf_eval, bsdf_is_delta, bsdf_sample};
 use super::bsdf::lobe::DELTA_STRAIGHT;
 use super::bvh::trace_closest;
-use super::camera::camera_ray;
+use super::camera::{camera_at, camera_ray};
 use super::estimator::*;
 use super::light::environment::Le_environment;
 use super::light::light::{light_pdf_environment, light_pdf_triangle, light_sample};
@@ -13,7 +13,7 @@ use super::math::{to_local, to_world};
 use super::medium::{MEDIA_NONE, interface_at, media_far, media_ior, media_near, transmittance};
 use super::ray::{Ray, offset_origin};
 use super::rng::{Rng, next_1d, next_2d, rng_init};
-use super::sample::sample_blackman_harris;
+use super::sample::{sample_blackman_harris, sample_disk_concentric};
 use super::spectrum::{sample_wavelength, wavelength_weight};
 use super::surface::surface_at;
 use super::visibility::visibility;
@@ -207,8 +207,15 @@ pub fn pixel_sample(
     let position = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]))
         + 0.5
         + DVec2::new(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
-    let mut ray = camera_ray(&frame.camera, frame.film_size.into(), position);
-    ray.time = path_time(rng);
+    let time = path_time(rng);
+    let camera = camera_at(&frame.camera, time);
+    let mut lens = DVec2::ZERO;
+    if camera.lens_radius > 0.0 {
+        rng.dimension = DIMENSION_LENS;
+        lens = sample_disk_concentric(next_2d(&mut rng));
+    }
+    let mut ray = camera_ray(&camera, frame.film_size.into(), position, lens);
+    ray.time = time;
     Li(packed, ray, &mut rng, counts)
 }
 

@@ -20,6 +20,8 @@ pub fn camera(nodes: &Nodes<'_>, node: usize) -> Result<Option<Camera>, GltfErro
     Ok(Some(Camera {
         name,
         world_from_camera: to_f32(rigid(nodes.world(node))),
+        closing: None,
+        lens: None,
         projection: projection(&camera)?,
     }))
 }

@@ -157,6 +157,8 @@ pub fn framing_camera(
     Camera {
         name: "auto".to_owned(),
         world_from_camera: Affine3A::from_mat3_translation(matrix, center + back * distance),
+        closing: None,
+        lens: None,
         projection: Projection::Perspective {
             yfov: YFOV,
             aspect: None,

@@ -49,7 +49,7 @@ impl Packed {
     /// Whether something moves while the shutter is open.
     pub fn moves(&self) -> bool {
         let keys = |instance: &Instance| instance.flags >> INSTANCE_KEYS_SHIFT;
-        self.instances.iter().any(|instance| keys(instance) != 0)
+        self.frame.camera.moves != 0 || self.instances.iter().any(|instance| keys(instance) != 0)
     }
 
     /// The arrays that kernels bind as storage buffers, by name and in the order of their bindings
@@ -111,6 +111,10 @@ pub enum PackError {
         limit = INSTANCE_KEYS_MASK
     )]
     TooManyKeys { node: usize, keys: usize },
+    #[error(
+        "the lens shows no single direction at pixel {column},{row}: its distortion turns back inside the picture; check the coefficients, or render a smaller part of the lens' image"
+    )]
+    Folded { column: i64, row: i64 },
     #[error("material \"{material}\": {source}")]
     Model {
         material: String,
@@ -191,7 +195,7 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         Background::Transparent => (BACKGROUND_TRANSPARENT, [0.0; 3]),
     };
     let mut frame = Frame {
-        camera: camera::pack_camera(&view.camera, view.film_size),
+        camera: camera::pack_camera(&view.camera, view.film_size)?,
         background,
         background_kind,
         environment_cos: 1.0,

@@ -5,12 +5,14 @@
 
 pub mod bsdf_model;
 pub mod extensions;
+pub mod lens;
 pub mod material;
 pub mod metals;
 mod profile;
 pub mod sky;
 
 pub use extensions::Extensions;
+pub use lens::{Distortion, Intrinsics, Lens};
 pub use material::{
     AlphaMode, Filter, Material, MetallicRoughness, Model, SpecularGlossiness, Texture, Textured,
     Wrap,
@@ -124,7 +126,11 @@ pub enum PunctualKind {
 pub struct Camera {
     pub name: String,
     pub world_from_camera: Affine3A,
+    /// Where it is when the shutter closes; `None`: it stands still.
+    pub closing: Option<Affine3A>,
     pub projection: Projection,
+    /// `None`: a pinhole.
+    pub lens: Option<Lens>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,7 +142,14 @@ pub enum Projection {
         near: f32,
     },
     /// Half extents in metres.
-    Orthographic { xmag: f32, ymag: f32, near: f32 },
+    Orthographic {
+        xmag: f32,
+        ymag: f32,
+        near: f32,
+    },
+    /// All around, laid out as an environment map in the camera's own frame.
+    Panorama,
+    Intrinsics(Intrinsics),
 }
 
 /// An equirectangular map of radiance: u = atan2(d.z, d.x) / (2 pi) + 1/2, v = acos(d.y) / pi.

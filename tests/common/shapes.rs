@@ -186,6 +186,8 @@ pub fn view() -> View {
         camera: Camera {
             name: String::new(),
             world_from_camera: Affine3A::IDENTITY,
+            closing: None,
+            lens: None,
             projection: Projection::Perspective {
                 yfov: 1.0,
                 aspect: None,

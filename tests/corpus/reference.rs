@@ -63,6 +63,8 @@ fn camera(position: Vec3) -> Camera {
     Camera {
         name: String::new(),
         world_from_camera: Affine3A::from_mat3_translation(matrix, position),
+        closing: None,
+        lens: None,
         projection: Projection::Perspective {
             yfov: YFOV,
             aspect: None,

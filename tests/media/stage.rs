@@ -69,6 +69,8 @@ impl Stage {
             camera: Camera {
                 name: String::new(),
                 world_from_camera: Affine3A::from_translation(CAMERA_HEIGHT as f32 * Vec3::Z),
+                closing: None,
+                lens: None,
                 projection: Projection::Orthographic {
                     xmag: SEEN as f32,
                     ymag: SEEN as f32,
