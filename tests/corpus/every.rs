@@ -2,7 +2,9 @@
 
 use crate::common::gpu;
 use crate::picture::*;
-use snell::pack::{Background, View, pack};
+use snell::compare::relative_within;
+use snell::film::Film;
+use snell::pack::{Background, Packer, View};
 use std::path::{Path, PathBuf};
 
 /// Small, for there are more than a hundred and fifty; each shows its scene in hundreds of pixels.
@@ -14,8 +16,13 @@ const EMPTY: [&str; 1] = ["asset-generator/Material_AlphaMask/Material_AlphaMask
 /// Lit only by a filament in a bulb whose KHR_materials_transmission is not drawn.
 const DARK: &str = "materials/AnisotropyBarnLamp/AnisotropyBarnLamp.gltf";
 
+/// The part of a picture's pixels within 1e-3 on both sides, with one sample at the same sample stream:
+/// paths part at edges alone, which are many in so small a picture. Found: 0.963 for folded cloth, more
+/// than 0.97 for all others.
+const LEAST_ALIKE: f64 = 0.955;
+
 /// The .gltf and .glb files under a folder, sorted.
-fn models(folder: &Path) -> Vec<PathBuf> {
+pub fn models(folder: &Path) -> Vec<PathBuf> {
     let mut folders = vec![folder.to_owned()];
     let mut found = Vec::new();
     while let Some(folder) = folders.pop() {
@@ -33,9 +40,10 @@ fn models(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_file_renders() {
+fn every_file_renders_on_both_sides() {
     let Some(corpus) = corpus() else { return };
     let mut gpu = gpu();
+    let mut packer = Packer::default();
     let mut faults = Vec::new();
     let mut rendered = 0;
     for path in models(&corpus) {
@@ -45,21 +53,39 @@ fn every_file_renders() {
             background: Background::Transparent,
             ..view(&scene, SIZE)
         };
-        let packed = pack(&scene, &view).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let film = on_gpu(&mut gpu, &packed, &whole(&packed, 1));
-        let covered = film.pixels.iter().filter(|p| p.alpha > 0.0).count();
-        if film.non_finite() > 0 {
-            faults.push(format!("{name}: {} samples not finite", film.non_finite()));
+        let packed = packer.pack(&scene, &view);
+        let packed = packed.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let settings = whole(&packed, 1);
+        let films = [
+            ("lavapipe", on_gpu(&mut gpu, &packed, &settings)),
+            ("the CPU", on_cpu(&packed, &settings)),
+        ];
+        for (renderer, film) in &films {
+            let faults_here = faults_of(film, name);
+            faults.extend(faults_here.map(|fault| format!("{name} on {renderer}: {fault}")));
         }
-        if (covered == 0) != EMPTY.contains(&name) {
-            faults.push(format!("{name}: {covered} pixels covered"));
-        }
-        if film.is_black() != (covered == 0 || name == DARK) {
-            faults.push(format!("{name}: black is {}", film.is_black()));
+        let alike = relative_within(&films[0].1, &films[1].1, 1e-3, 1e-3 * films[1].1.average());
+        if alike.fraction < LEAST_ALIKE {
+            faults.push(format!("{name}: {:.3} of the pixels agree", alike.fraction));
         }
         rendered += 1;
     }
     println!("{rendered} files rendered");
     assert!(rendered > 150, "only {rendered} files");
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// What a picture that cannot be meant shows.
+fn faults_of(film: &Film, name: &str) -> impl Iterator<Item = String> {
+    let covered = film.pixels.iter().filter(|p| p.alpha > 0.0).count();
+    let bad = film.non_finite();
+    let black = film.is_black();
+    let wrong_black = black != (covered == 0 || name == DARK);
+    [
+        (bad > 0).then(|| format!("{bad} samples not finite")),
+        ((covered == 0) != EMPTY.contains(&name)).then(|| format!("{covered} pixels covered")),
+        wrong_black.then(|| format!("black is {black}")),
+    ]
+    .into_iter()
+    .flatten()
 }

@@ -5,6 +5,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod every;
+mod moving;
 mod pairs;
 mod parity;
 #[path = "../common/picture.rs"]
