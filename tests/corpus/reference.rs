@@ -49,7 +49,7 @@ fn use_of(name: &str) -> Use {
         ("Material" | "Mesh_PrimitiveMode", _)
         | ("Material_MetallicRoughness", "00" | "03" | "04" | "05" | "06" | "09" | "10" | "11")
         | ("Mesh_PrimitivesUV", "00") => Use::Shape,
-        // Specular-glossiness is not drawn; the red cross says so.
+        // Specular-glossiness at its defaults is a mirror of surroundings that are not known.
         ("Material_Mixed", _) => Use::Shape,
         _ => Use::ShapeAndColors,
     }
