@@ -504,3 +504,28 @@ fn all_attributes_morph() {
     assert_eq!(color.to_array(), [0.0, 0.5, 1.0, 1.0]);
     assert_eq!(primitive.texcoords[0][0].to_array(), [2.0, -1.0]);
 }
+
+/// Of a sequence only what deforms is packed again.
+#[test]
+fn only_what_deforms_is_packed_again() {
+    use snell::pack::{Background, Packer, View, pack};
+    let mut file = open(&three());
+    let mut packer = Packer::default();
+    for (i, new) in [2, 1, 1].into_iter().enumerate() {
+        let scene = at(&mut file, 0.25 + 0.1 * i as f64).scene;
+        let view = View {
+            camera: gltf::default_camera(&scene, 1.0),
+            film_size: [4, 4],
+            seed: 0,
+            max_depth: 1,
+            background: Background::Environment,
+            clamp: None,
+        };
+        let packed = packer.pack(&scene, &view).unwrap();
+        assert_eq!(packer.new_parts(), [new, 0], "picture {i}");
+        let fresh = pack(&scene, &view).unwrap();
+        for (a, b) in packed.arrays().iter().zip(fresh.arrays()) {
+            assert!(*a == b, "{} of picture {i}", b.0);
+        }
+    }
+}
