@@ -212,14 +212,9 @@ impl Asset {
         self.taken = self.source.budget.used() - of_this_moment;
 
         for &node in &nodes.shown {
-            let camera = camera::camera(&nodes, node)?;
-            if camera.is_some() && tracks.moves(node) {
-                notes.add(
-                    "a camera that moves is not blurred: it is where it is when the shutter opens",
-                    &nodes.json[node].at,
-                );
-            }
-            scene.cameras.extend(camera);
+            scene
+                .cameras
+                .extend(camera::camera(&nodes, node, tracks.closing(node))?);
         }
         scene.profiles = self.profiles.all();
         scene.lights = match lights {

@@ -4,10 +4,16 @@ use super::error::GltfError;
 use super::json::Json;
 use super::node::{Nodes, rigid, to_f32};
 use crate::scene::{Camera, Projection};
+use glam::DAffine3;
 use std::f32::consts::PI;
 
-/// The camera that a node holds, if it holds one.
-pub fn camera(nodes: &Nodes<'_>, node: usize) -> Result<Option<Camera>, GltfError> {
+/// The camera that a node holds, if it holds one; `closing` is where the node is when the shutter
+/// closes, if it moves.
+pub fn camera(
+    nodes: &Nodes<'_>,
+    node: usize,
+    closing: Option<DAffine3>,
+) -> Result<Option<Camera>, GltfError> {
     let json = &nodes.json[node];
     let Some((_, camera)) = json.reference("camera", "cameras")? else {
         return Ok(None);
@@ -20,7 +26,7 @@ pub fn camera(nodes: &Nodes<'_>, node: usize) -> Result<Option<Camera>, GltfErro
     Ok(Some(Camera {
         name,
         world_from_camera: to_f32(rigid(nodes.world(node))),
-        closing: None,
+        closing: closing.map(|world| to_f32(rigid(world))),
         lens: None,
         projection: projection(&camera)?,
     }))

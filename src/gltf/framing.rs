@@ -23,23 +23,28 @@ const NEAR: f32 = 1e-3;
 /// More vertices than these, instances included, are framed by the corners of their meshes' boxes.
 const EXACT_VERTICES: usize = 10_000_000;
 
-/// A box around all instances, in world space, where they are when the shutter opens; the smallest one
-/// for scenes of up to `EXACT_VERTICES`. `None` for an empty scene.
+/// A box around all instances, in world space, wherever they are while the shutter is open; the smallest
+/// one for scenes of up to `EXACT_VERTICES`. `None` for an empty scene.
 pub fn bounds(scene: &Scene) -> Option<(Vec3, Vec3)> {
     fn vertices(mesh: &Mesh) -> impl Iterator<Item = &Vec3> {
         let primitives = mesh.primitives.iter();
         primitives.flat_map(|primitive| &primitive.positions)
     }
-    let instances = || scene.instances.iter();
+    let places = || {
+        scene.instances.iter().flat_map(|instance| {
+            let keys = std::iter::once(&instance.world_from_object).chain(&instance.motion);
+            keys.map(move |place| (instance, place))
+        })
+    };
     let count = |mesh: &Arc<Mesh>| -> usize {
         let primitives = mesh.primitives.iter();
         primitives.map(|primitive| primitive.positions.len()).sum()
     };
     let counts: Vec<usize> = scene.meshes.iter().map(count).collect();
-    let total = instances().map(|instance| counts[instance.mesh]);
+    let total = places().map(|(instance, _)| counts[instance.mesh]);
     if total.fold(0, usize::saturating_add) <= EXACT_VERTICES {
-        return extent(instances().flat_map(|instance| {
-            let place = |p: &Vec3| instance.world_from_object.transform_point3(*p);
+        return extent(places().flat_map(|(instance, world_from_object)| {
+            let place = |p: &Vec3| world_from_object.transform_point3(*p);
             vertices(&scene.meshes[instance.mesh]).map(place)
         }));
     }
@@ -48,8 +53,8 @@ pub fn bounds(scene: &Scene) -> Option<(Vec3, Vec3)> {
         .iter()
         .map(|mesh| extent(vertices(mesh).copied()).map(|(low, high)| corners(low, high)))
         .collect();
-    extent(instances().flat_map(|instance| {
-        let place = |p: &Vec3| instance.world_from_object.transform_point3(*p);
+    extent(places().flat_map(|(instance, world_from_object)| {
+        let place = |p: &Vec3| world_from_object.transform_point3(*p);
         boxes[instance.mesh].iter().flatten().map(place)
     }))
 }

@@ -27,6 +27,12 @@ impl Tracks {
         track.is_some_and(|track| track.iter().any(|place| *place != track[0]))
     }
 
+    /// Where a node that moves is when the shutter closes.
+    pub fn closing(&self, node: usize) -> Option<DAffine3> {
+        let track = self.worlds.get(&node).filter(|_| self.moves(node));
+        track.and_then(|track| track.last().copied())
+    }
+
     /// Where an object of a node is at further times, in as few equal steps as keep its corners, which
     /// are within `reach` of its origin along its axes, close to their places.
     pub fn motion(&self, node: usize, node_from_object: DAffine3, reach: Vec3) -> Box<[Affine3A]> {

@@ -407,6 +407,9 @@ fn the_shutter_gives_what_moves_further_keys() {
     // A straight line needs one further key, a quarter turn several; what stands still has none.
     assert_eq!(instances[0].motion.len(), 1);
     assert_close(instances[0].motion[0].translation, [2.0, 0.0, 0.0]);
+    // What is framed holds all of the way.
+    let (_, high) = snell::gltf::bounds(&loaded.scene).unwrap();
+    assert_eq!(high.x, 3.0);
     assert_eq!(instances[1].motion.len(), 0);
     assert!(noted(&loaded, "opens (nodes[1])"), "{:?}", loaded.notes);
     for instance in &instances[2..4] {
@@ -436,7 +439,7 @@ fn the_shutter_gives_what_moves_further_keys() {
 }
 
 #[test]
-fn lights_are_where_they_are_in_the_middle_of_the_shutter() {
+fn cameras_move_and_lights_are_in_the_middle_of_the_shutter() {
     let mut asset = Asset::triangle();
     asset.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
     asset.json["cameras"] = json!([{"type": "orthographic",
@@ -461,8 +464,10 @@ fn lights_are_where_they_are_in_the_middle_of_the_shutter() {
         loaded.scene.cameras[0].world_from_camera.translation,
         [2.0, 0.0, 0.0],
     );
-    assert!(noted(&loaded, "a camera that moves is not blurred"));
+    let closing = loaded.scene.cameras[0].closing.unwrap();
+    assert_close(closing.translation, [3.0, 0.0, 0.0]);
     let loaded = at(&mut file, 0.5);
+    assert!(loaded.scene.cameras[0].closing.is_none());
     assert_close(loaded.scene.lights[0].position, [2.0, 0.0, 0.0]);
     assert!(!noted(&loaded, "blurred"));
 }
