@@ -55,7 +55,10 @@ fn signatures(text: &str, one_sided: &str, dropped: &[&str]) -> Vec<Signature> {
             .split(": ")
             .map(|part| {
                 let name = part.rsplit([',', ' ', '(']).next().unwrap_or(part);
-                name.trim_start_matches("mut ").trim().to_owned()
+                name.trim_start_matches("mut ")
+                    .trim()
+                    .trim_start_matches('_')
+                    .to_owned()
             })
             .collect::<Vec<_>>();
         // What follows the last ": " is the last argument's type.

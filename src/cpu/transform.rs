@@ -5,7 +5,7 @@
 
 use crate::pack::Packed;
 use crate::shared::{INSTANCE_FLIPPED, INSTANCE_KEYS_MASK, INSTANCE_KEYS_SHIFT, Instance};
-use glam::{DMat3, DVec3, DVec4};
+use glam::{DMat3, DVec3, DVec4, Vec4};
 
 /// Rows of a matrix, in float64 what `Instance` holds in float32.
 pub type Rows = [DVec4; 3];
@@ -51,7 +51,7 @@ pub fn instance_at(packed: &Packed, number: u32, time: f64) -> PlacedInstance {
 
 /// Of the linear part: 1, -1, or 0 where it has no inverse.
 pub fn determinant_sign(rows: Rows) -> f64 {
-    let [x, y, z] = rows.map(DVec4::truncate);
+    let [x, y, z] = columns(rows);
     let determinant = x.dot(y.cross(z));
     if determinant == 0.0 {
         0.0
@@ -62,9 +62,8 @@ pub fn determinant_sign(rows: Rows) -> f64 {
 
 // cpu only: the shader's are of one precision.
 fn matrix_rows(instance: &Instance) -> Rows {
-    instance
-        .world_from_object
-        .map(|row| DVec4::from_array(row.map(f64::from)))
+    let row = |row: usize| Vec4::from_array(instance.world_from_object[row]).as_dvec4();
+    [row(0), row(1), row(2)]
 }
 
 /// Rows times a point; the fourth column is the translation.
@@ -74,35 +73,38 @@ pub fn transform_point(rows: Rows, p: DVec3) -> DVec3 {
 
 /// Rows times a direction.
 pub fn transform_vector(rows: Rows, v: DVec3) -> DVec3 {
-    DVec3::from_array(rows.map(|row| row.truncate().dot(v)))
+    let row = |row: usize| rows[row].truncate().dot(v);
+    DVec3::new(row(0), row(1), row(2))
 }
 
 pub fn transform_translation(rows: Rows) -> DVec3 {
-    DVec3::from_array(rows.map(|row| row.w))
+    DVec3::new(rows[0].w, rows[1].w, rows[2].w)
 }
 
 /// The columns of the linear part.
 // cpu only: the shader scales them at once.
 pub fn columns(rows: Rows) -> [DVec3; 3] {
-    [0, 1, 2].map(|column| DVec3::from_array(rows.map(|row| row[column])))
+    let [x, y, z] = rows;
+    [
+        DVec3::new(x.x, y.x, z.x),
+        DVec3::new(x.y, y.y, z.y),
+        DVec3::new(x.z, y.z, z.z),
+    ]
 }
 
 /// The linear part's inverse, transposed: its columns are the inverse's rows, by cofactors. `N * n`
 /// takes a normal into the world; it keeps the side, not the length.
 pub fn normal_matrix(rows: Rows) -> DMat3 {
     let [x, y, z] = columns(rows);
-    let factor = x.dot(y.cross(z)).recip();
-    DMat3::from_cols(
-        factor * y.cross(z),
-        factor * z.cross(x),
-        factor * x.cross(y),
-    )
+    let yz = y.cross(z);
+    let factor = x.dot(yz).recip();
+    DMat3::from_cols(factor * yz, factor * z.cross(x), factor * x.cross(y))
 }
 
-/// A vector of the world in the object's space: `N` is the rows' `normal_matrix`.
-pub fn vector_in_object(rows: Rows, N: DMat3, v: DVec3) -> DVec3 {
-    let first = N.transpose() * v;
-    first + N.transpose() * (v - transform_vector(rows, first))
+/// A vector of the world in the object's space: `N` is the rows' `normal_matrix`. In float64 the inverse
+/// needs no refinement.
+pub fn vector_in_object(_rows: Rows, N: DMat3, v: DVec3) -> DVec3 {
+    DVec3::new(N.x_axis.dot(v), N.y_axis.dot(v), N.z_axis.dot(v))
 }
 
 /// What the inverse's own rounding in float32 adds to the shift, along the world's unit normal `ng` and
@@ -111,15 +113,16 @@ pub fn vector_in_object(rows: Rows, N: DMat3, v: DVec3) -> DVec3 {
 /// result. The derivation stands in the shader.
 pub fn inverse_error(rows: Rows, reach: DVec3, ng: DVec3, rounding: f64) -> f64 {
     let columns = columns(rows);
-    let [x, y, z] = columns.map(DVec3::abs);
+    let (x, y, z) = (columns[0].abs(), columns[1].abs(), columns[2].abs());
     let minors = [cross_sums(y, z), cross_sums(z, x), cross_sums(x, y)];
     let determinant = columns[0].dot(columns[1].cross(columns[2])).abs();
     let D = x.dot(minors[0]) / determinant;
-    let through = |w: DVec3| DVec3::from_array(minors.map(|minor| minor.dot(w) / determinant));
+    let through =
+        |w: DVec3| DVec3::new(minors[0].dot(w), minors[1].dot(w), minors[2].dot(w)) / determinant;
     let w = x * reach.x + y * reach.y + z * reach.z;
     let shift = through(w);
     let r = rounding * (x * shift.x + y * shift.y + z * shift.z + D * w);
-    let along = DVec3::from_array(columns.map(|column| ng.dot(column).abs()));
+    let along = DVec3::new(ng.dot(columns[0]), ng.dot(columns[1]), ng.dot(columns[2])).abs();
     along.dot(through(r)) + D * ng.abs().dot(r)
 }
 
