@@ -3,7 +3,7 @@
 import package::shared::{Camera, CAMERA_ORTHOGRAPHIC, CAMERA_PANORAMA, CAMERA_BROWN_CONRADY, CAMERA_FISHEYE};
 import package::math::{PI, normalize_accurate, sincos_accurate};
 import package::ray::{Ray};
-import package::variant::{MOTION};
+import package::variant::{MOTION, LENS, HAS_PANORAMA, HAS_FISHEYE, HAS_BROWN_CONRADY};
 
 // Farther than any scene, metres: near the largest float32, and finite.
 const CAMERA_FAR: f32 = 1e30;
@@ -31,15 +31,15 @@ fn camera_at(camera: Camera, time: f32) -> Camera {
 // at the camera and counts from its near plane. `lens`: on the unit disk, where it passes the lens.
 fn camera_ray(camera: Camera, film_size: vec2<u32>, position: vec2<f32>, lens: vec2<f32>) -> Ray {
     let ndc = 2.0 * position / vec2<f32>(film_size) - 1.0;
-    if camera.kind == CAMERA_PANORAMA {
+    if HAS_PANORAMA && camera.kind == CAMERA_PANORAMA {
         return Ray(camera.origin, camera.near, panorama_direction(camera, ndc), CAMERA_FAR, 0.0);
     }
     // To the right and down, at one metre of depth.
     var film = ndc * vec2<f32>(camera.half_width, camera.half_height) + camera.center;
-    if camera.kind == CAMERA_FISHEYE {
+    if HAS_FISHEYE && camera.kind == CAMERA_FISHEYE {
         return Ray(camera.origin, camera.near, fisheye_direction(camera, film), CAMERA_FAR, 0.0);
     }
-    if camera.kind == CAMERA_BROWN_CONRADY {
+    if HAS_BROWN_CONRADY && camera.kind == CAMERA_BROWN_CONRADY {
         film = undistort(camera, film);
     }
     let across = film.x * camera.right - film.y * camera.up;
@@ -48,7 +48,7 @@ fn camera_ray(camera: Camera, film_size: vec2<u32>, position: vec2<f32>, lens: v
     }
     var origin = camera.origin;
     var direction = camera.forward + across;
-    if camera.lens_radius > 0.0 {
+    if LENS && camera.lens_radius > 0.0 {
         // Through the point that the pinhole's ray has in the plane in focus (Potmesil and Chakravarty 1981,
         // "A Lens and Aperture Camera Model for Synthetic Image Generation").
         let offset = camera.lens_radius * (lens.x * camera.right + lens.y * camera.up);

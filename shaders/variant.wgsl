@@ -5,7 +5,10 @@
 // pays for each model, texture and mask at every surface, whether the scene has it or not.
 
 import package::shared::{BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_GLTF};
+import package::shared::{CAMERA_PANORAMA, CAMERA_FISHEYE, CAMERA_BROWN_CONRADY};
 
+const LENS: bool = true;                      // the camera has an aperture
+const PROFILES: bool = true;                  // some light is a lamp as measured
 const MOTION: bool = true;                    // something moves while the shutter is open
 const TEST_ALPHA: bool = true;                // some material is masked or blended
 const MEDIA: bool = true;                     // some material is the boundary of a medium
@@ -38,6 +41,12 @@ const HAS_OREN_NAYAR: bool = (MODELS & ((1u << BSDF_OREN_NAYAR) | (1u << BSDF_OR
 const HAS_ROUGH_DIELECTRIC: bool = (MODELS & (1u << BSDF_ROUGH_DIELECTRIC)) != 0u;
 const HAS_TORRANCE_SPARROW: bool = (MODELS & (1u << BSDF_TORRANCE_SPARROW)) != 0u;
 const HAS_GLTF: bool = (MODELS & (1u << BSDF_GLTF)) != 0u;
+
+// The kinds of camera, one bit each: 1 << CAMERA_PERSPECTIVE and so on.
+const CAMERAS: u32 = 0xffffffffu;
+const HAS_PANORAMA: bool = (CAMERAS & (1u << CAMERA_PANORAMA)) != 0u;
+const HAS_FISHEYE: bool = (CAMERAS & (1u << CAMERA_FISHEYE)) != 0u;
+const HAS_BROWN_CONRADY: bool = (CAMERAS & (1u << CAMERA_BROWN_CONRADY)) != 0u;
 
 // What all reflecting materials have in common, or NONE.
 const COMMON_MODEL: u32 = 0xffffffffu;

@@ -8,6 +8,7 @@ import package::rng::{rng_init, next_2d};
 import package::sample::{sample_blackman_harris, sample_disk_concentric};
 import package::camera::{camera_at, camera_ray};
 import package::medium::{MEDIA_NONE};
+import package::variant::{LENS};
 
 @compute @workgroup_size(WORKGROUP)
 fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -25,7 +26,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     // The path's time needs no place in its state: path_time gives it again.
     let camera = camera_at(frame.camera, path_time(rng));
     var lens = vec2(0.0);
-    if camera.lens_radius > 0.0 {
+    if LENS && camera.lens_radius > 0.0 {
         rng.dimension = DIMENSION_LENS;
         lens = sample_disk_concentric(next_2d(&rng));
     }

@@ -2,6 +2,7 @@
 // a surface that faces the light, in W/m^2, red green blue.
 
 import package::shared::{Light, LIGHT_SPOT, LIGHT_PROFILE};
+import package::variant::{PROFILES};
 import package::math::{INV_PI, sqr, atan2_accurate};
 import package::texture::{texel_word};
 
@@ -52,7 +53,7 @@ fn irradiance_punctual(light: Light, wi: vec3<f32>, distance: f32) -> vec3<f32> 
     if light.kind == LIGHT_SPOT {
         attenuation *= spot_attenuation(-dot(wi, light.direction), light.cos_inner, light.cos_outer);
     }
-    if light.kind == LIGHT_PROFILE {
+    if PROFILES && light.kind == LIGHT_PROFILE {
         attenuation *= profile_intensity(light, -wi);
     }
     return attenuation * light.radiance;

@@ -2,7 +2,7 @@
 
 use super::link::Value;
 use crate::pack::Packed;
-use crate::shared::{BSDF_UNLIT, MATERIAL_TRANSMISSIVE, Material, NONE, Texture};
+use crate::shared::{BSDF_UNLIT, LIGHT_PROFILE, MATERIAL_TRANSMISSIVE, Material, NONE, Texture};
 
 /// The constants' values for a scene, by name. Materials that no triangle has do not count.
 pub fn constants(packed: &Packed) -> Vec<(&'static str, Value)> {
@@ -35,6 +35,17 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, Value)> {
         })
     };
     vec![
+        ("LENS", Value::Bool(packed.frame.camera.lens_radius > 0.0)),
+        ("CAMERAS", Value::Uint(1 << packed.frame.camera.kind)),
+        (
+            "PROFILES",
+            Value::Bool(
+                packed
+                    .lights
+                    .iter()
+                    .any(|light| light.kind == LIGHT_PROFILE),
+            ),
+        ),
         ("MOTION", Value::Bool(packed.moves())),
         ("TEST_ALPHA", Value::Bool(packed.frame.has_alpha != 0)),
         ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),
