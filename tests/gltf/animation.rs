@@ -408,7 +408,7 @@ fn the_shutter_gives_what_moves_further_keys() {
     assert_eq!(instances[0].motion.len(), 1);
     assert_close(instances[0].motion[0].translation, [2.0, 0.0, 0.0]);
     // What is framed holds all of the way.
-    let (_, high) = snell::gltf::bounds(&loaded.scene).unwrap();
+    let (_, high) = gltf::bounds(&loaded.scene).unwrap();
     assert_eq!(high.x, 3.0);
     assert_eq!(instances[1].motion.len(), 0);
     assert!(noted(&loaded, "opens (nodes[1])"), "{:?}", loaded.notes);
