@@ -56,7 +56,7 @@ pub fn is_staged(scene: &Scene, args: &RenderArgs) -> bool {
 }
 
 /// The camera asked for and what to call it. Without a choice it is the scene's first; a scene without
-/// cameras is framed. `turn`: by so many degrees about +y through the stage's centre.
+/// cameras is framed. `turn`: by so many degrees about +y through the `pivot`.
 pub fn choose(
     scene: &Scene,
     args: &RenderArgs,
@@ -66,7 +66,8 @@ pub fn choose(
     let (mut camera, mut name) = standing(scene, args, stage)?;
     if let (Some(degrees), Some(stage)) = (turn, stage) {
         let turn = Quat::from_rotation_y(degrees.to_radians() as f32);
-        let about = Affine3A::from_rotation_translation(turn, stage.center - turn * stage.center);
+        let pivot = pivot(&camera, args, stage);
+        let about = Affine3A::from_rotation_translation(turn, pivot - turn * pivot);
         camera.world_from_camera = about * camera.world_from_camera;
         camera.closing = camera.closing.map(|pose| about * pose);
         name = format!("{name} turned by {degrees}");
@@ -91,6 +92,21 @@ pub fn choose(
         });
     }
     Ok((camera, name))
+}
+
+/// What a camera turns about: the point in the middle of its picture that is nearest to the scene's centre,
+/// or to an orbit's target, so that what it shows stays in sight.
+fn pivot(camera: &Camera, args: &RenderArgs, stage: &Stage) -> Vec3 {
+    let target = args.orbit.and_then(|orbit| orbit.target);
+    let center = target.map_or(stage.center, |target| DVec3::from(target).as_vec3());
+    let pose = camera.world_from_camera;
+    let origin = Vec3::from(pose.translation);
+    let forward = Vec3::from(-pose.matrix3.z_axis).normalize_or_zero();
+    let ahead = (center - origin).dot(forward);
+    if camera.projection == Projection::Panorama || ahead <= 0.0 {
+        return center;
+    }
+    origin + ahead * forward
 }
 
 /// What a camera is called that a thin lens says nothing of.

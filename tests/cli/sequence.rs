@@ -192,6 +192,23 @@ fn a_turntable_goes_round_counter_clockwise() {
         assert!(alpha.iter().any(|&a| a > 0.0), "frame {frame}");
     }
 }
+
+#[test]
+fn a_turntable_goes_round_what_the_camera_looks_at() {
+    let place = Place::new();
+    let mut apart = scene();
+    apart["nodes"] = json!([{ "children": [1, 2] }, { "mesh": 0, "translation": [9.0, 0.0, 0.0] },
+        { "mesh": 0, "translation": [0.0, 9.0, 0.0] }]);
+    apart["materials"][0]["doubleSided"] = json!(true);
+    place.write("apart.gltf", apart.to_string().as_bytes());
+    place.succeed(&format!(
+        "render apart.gltf --frames 0..2@1 --background transparent -o a{{}}.exr --orbit 0,90,4,9,0,0 \
+         --turntable 360 --cpu {SMALL}"
+    ));
+    let [front, back] = [0, 1].map(|frame| coverage(&place, &format!("a{frame}.exr")).0);
+    assert!(front > 20.0 && back > 20.0, "{front} and {back}");
+}
+
 #[test]
 fn the_framing_does_not_follow_what_moves() {
     let place = Place::new();
