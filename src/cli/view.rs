@@ -23,6 +23,8 @@ pub struct Stage {
     center: Vec3,
     /// The one that frames everything.
     framing: Camera,
+    /// What a turntable turns about.
+    pivot: Vec3,
 }
 
 impl Stage {
@@ -31,10 +33,16 @@ impl Stage {
         let [width, height] = args.size;
         let turning = args.turntable.is_some();
         let (low, high) = bounds.unwrap_or_default();
-        Self {
-            center: low.midpoint(high),
+        let center = low.midpoint(high);
+        let mut stage = Self {
+            center,
             framing: framing_camera(scene, bounds, width as f32 / height as f32, turning),
+            pivot: center,
+        };
+        if turning && let Ok((camera, _)) = standing(scene, args, Some(&stage)) {
+            stage.pivot = pivot(scene, &camera, args, &stage);
         }
+        stage
     }
 }
 
@@ -56,7 +64,7 @@ pub fn is_staged(scene: &Scene, args: &RenderArgs) -> bool {
 }
 
 /// The camera asked for and what to call it. Without a choice it is the scene's first; a scene without
-/// cameras is framed. `turn`: by so many degrees about +y through the `pivot`.
+/// cameras is framed. `turn`: by so many degrees about +y through the stage's pivot.
 pub fn choose(
     scene: &Scene,
     args: &RenderArgs,
@@ -66,8 +74,7 @@ pub fn choose(
     let (mut camera, mut name) = standing(scene, args, stage)?;
     if let (Some(degrees), Some(stage)) = (turn, stage) {
         let turn = Quat::from_rotation_y(degrees.to_radians() as f32);
-        let pivot = pivot(&camera, args, stage);
-        let about = Affine3A::from_rotation_translation(turn, pivot - turn * pivot);
+        let about = Affine3A::from_rotation_translation(turn, stage.pivot - turn * stage.pivot);
         camera.world_from_camera = about * camera.world_from_camera;
         camera.closing = camera.closing.map(|pose| about * pose);
         name = format!("{name} turned by {degrees}");
@@ -94,19 +101,51 @@ pub fn choose(
     Ok((camera, name))
 }
 
-/// What a camera turns about: the point in the middle of its picture that is nearest to the scene's centre,
-/// or to an orbit's target, so that what it shows stays in sight.
-fn pivot(camera: &Camera, args: &RenderArgs, stage: &Stage) -> Vec3 {
-    let target = args.orbit.and_then(|orbit| orbit.target);
-    let center = target.map_or(stage.center, |target| DVec3::from(target).as_vec3());
+/// What a camera turns about: an orbit's target, the scene's centre where everything is framed, and else
+/// what the middle of the picture shows, so that it stays there. Where that is nothing, the point ahead that
+/// is nearest to the scene's centre.
+fn pivot(scene: &Scene, camera: &Camera, args: &RenderArgs, stage: &Stage) -> Vec3 {
     let pose = camera.world_from_camera;
+    if let Some(orbit) = args.orbit {
+        return orbit
+            .target
+            .map_or(stage.center, |target| DVec3::from(target).as_vec3());
+    }
+    if camera.projection == Projection::Panorama || pose == stage.framing.world_from_camera {
+        return stage.center;
+    }
     let origin = Vec3::from(pose.translation);
     let forward = Vec3::from(-pose.matrix3.z_axis).normalize_or_zero();
-    let ahead = (center - origin).dot(forward);
-    if camera.projection == Projection::Panorama || ahead <= 0.0 {
-        return center;
+    let distance = first_along(scene, origin, forward)
+        .unwrap_or_else(|| (stage.center - origin).dot(forward).max(0.0));
+    origin + distance * forward
+}
+
+/// The distance to the first triangle along a ray, `direction` of unit length; no hierarchy is built for a
+/// single ray.
+fn first_along(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
+    let mut nearest = f32::INFINITY;
+    for instance in &scene.instances {
+        // Distances along the ray are the same in the object's space.
+        let object_from_world = instance.world_from_object.inverse();
+        let from = object_from_world.transform_point3(origin);
+        let along = object_from_world.transform_vector3(direction);
+        for primitive in &scene.meshes[instance.mesh].primitives {
+            for triangle in &primitive.triangles {
+                let [p0, p1, p2] = triangle.map(|corner| primitive.positions[corner as usize]);
+                let (e1, e2) = (p1 - p0, p2 - p0);
+                let pvec = along.cross(e2);
+                let qvec = (from - p0).cross(e1);
+                let det = e1.dot(pvec);
+                let (u, v) = ((from - p0).dot(pvec) / det, along.dot(qvec) / det);
+                let t = e2.dot(qvec) / det;
+                if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < nearest {
+                    nearest = t;
+                }
+            }
+        }
     }
-    origin + ahead * forward
+    nearest.is_finite().then_some(nearest)
 }
 
 /// What a camera is called that a thin lens says nothing of.
