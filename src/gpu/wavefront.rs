@@ -3,12 +3,13 @@
 use super::device::{Fault, Gpu};
 use super::kernel::{Kernel, KernelError};
 use super::link::Value;
-use super::read::read;
+use super::read::{read, wait};
 use super::upload::Scene;
 use crate::render::Counts;
 use crate::shared::Frame;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// Bytes of one path's state: `PLANES` of 16 (shaders/kernels/state.wgsl).
 pub const PATH_BYTES: u64 = 176;
@@ -20,6 +21,16 @@ const CLAMPED: usize = 6;
 /// Byte offset of the shadow stage's dispatch size; that of the path stages comes first.
 const SHADOW_ARGUMENTS: u64 = 16;
 pub const WORKGROUP: u32 = 64;
+
+/// What `run_timed` tells apart.
+pub const STAGES: [&str; 6] = [
+    "generate",
+    "advance",
+    "trace closest",
+    "shade",
+    "trace shadow",
+    "accumulate",
+];
 
 /// Twin of `FilmCell` in shaders/kernels/accumulate.wgsl.
 #[repr(C)]
@@ -163,6 +174,49 @@ impl Wavefront {
     fn dispatch_queue(&self, pass: &mut wgpu::ComputePass<'_>, stage: &Stage, offset: u64) {
         bind(pass, stage);
         pass.dispatch_workgroups_indirect(&self.arguments, offset);
+    }
+
+    /// `run` with each dispatch submitted and waited for by itself: the time of each stage, in the order of
+    /// `STAGES`, the device's answer included. Slower than `run`, and the same film.
+    pub fn run_timed(
+        &self,
+        gpu: &Gpu,
+        frame: &Frame,
+        first: bool,
+    ) -> Result<[Duration; STAGES.len()], Fault> {
+        gpu.queue
+            .write_buffer(&self.scene.frame, 0, bytemuck::bytes_of(frame));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.counters, 0, None);
+        if first {
+            encoder.clear_buffer(&self.film, 0, None);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        wait(gpu)?;
+        let mut times = [Duration::ZERO; STAGES.len()];
+        let mut timed = |stage: usize, record: &dyn Fn(&mut wgpu::ComputePass<'_>)| {
+            let start = Instant::now();
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            record(&mut encoder.begin_compute_pass(&Default::default()));
+            gpu.queue.submit([encoder.finish()]);
+            wait(gpu)?;
+            times[stage] += start.elapsed();
+            Ok::<_, Fault>(())
+        };
+        timed(0, &|pass| dispatch(pass, &self.generate, frame.capacity))?;
+        timed(1, &|pass| dispatch(pass, &self.advance_start, 1))?;
+        for _ in 0..=frame.max_depth {
+            timed(1, &|pass| dispatch(pass, &self.advance_bounce, 1))?;
+            timed(2, &|pass| self.dispatch_queue(pass, &self.trace_closest, 0))?;
+            timed(3, &|pass| self.dispatch_queue(pass, &self.shade, 0))?;
+            timed(1, &|pass| dispatch(pass, &self.advance_shadow, 1))?;
+            timed(4, &|pass| {
+                self.dispatch_queue(pass, &self.trace_shadow, SHADOW_ARGUMENTS)
+            })?;
+        }
+        let tile_pixels = frame.tile_size[0] * frame.tile_size[1];
+        timed(5, &|pass| dispatch(pass, &self.accumulate, tile_pixels))?;
+        Ok(times)
     }
 
     /// The film of the tile that was rendered last, by rows.
