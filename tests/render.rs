@@ -9,6 +9,7 @@ use common::shapes;
 use glam::{Affine3A, Vec3, Vec4};
 use picture::*;
 use snell::film::Film;
+use snell::gpu::fetch::ROW_BITS;
 use snell::gpu::link::Value;
 use snell::gpu::render::{RenderError, render, render_in_batches};
 use snell::gpu::upload::{Scene, UploadError};
@@ -45,6 +46,25 @@ fn the_size_of_dispatches_changes_no_bit() {
     let one_by_one = with(1..2);
     assert!(one_by_one == with(20_000..20_001));
     assert!(one_by_one == with(1 << 16..1 << 18));
+}
+
+/// Arrays in buffers, as for a GPU, or in textures, as for a software adapter. They fill more than a row.
+#[test]
+fn where_the_arrays_are_changes_no_bit() {
+    let packed = gallery();
+    let longest = packed
+        .arrays()
+        .map(|(_, bytes)| bytes.len())
+        .into_iter()
+        .max();
+    assert!(longest > Some(16 << ROW_BITS));
+    let settings = whole(&packed, 2);
+    let [buffers, textures] = [false, true].map(|textures| {
+        let mut gpu = common::gpu();
+        gpu.arrays_in_textures = textures;
+        on_gpu(&mut gpu, &packed, &settings)
+    });
+    assert!(buffers == textures);
 }
 
 fn cut(film: &Film, [x, y, width, height]: [u32; 4]) -> Film {
@@ -129,12 +149,16 @@ fn a_scene_over_the_limits_ends_in_a_sentence() {
     let mut gpu = common::gpu();
     let mut packed = gallery();
     gpu.limits.max_storage_buffer_binding_size = 4096;
-    let error = render(&mut gpu, &packed, &whole(&packed, 1), &mut |_| {}).unwrap_err();
-    assert!(
-        matches!(error, RenderError::Upload(UploadError::TooLarge { .. })),
-        "{error}"
-    );
-    assert!(error.to_string().contains("4096"), "{error}");
+    gpu.limits.max_buffer_size = 4096;
+    for textures in [false, true] {
+        gpu.arrays_in_textures = textures;
+        let error = render(&mut gpu, &packed, &whole(&packed, 1), &mut |_| {}).unwrap_err();
+        assert!(
+            matches!(error, RenderError::Upload(UploadError::TooLarge { .. })),
+            "{error}"
+        );
+        assert!(error.to_string().contains("4096"), "{error}");
+    }
     let mut gpu = common::gpu();
     packed.frame.environment_size = [1 << 20, 1];
     packed.environment = vec![[0.0; 4]; 1 << 20];

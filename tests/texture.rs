@@ -348,6 +348,7 @@ fn texel_words_gpu(gpu: &Gpu, packed: &Packed, indices: &[u32]) -> Vec<u32> {
 #[test]
 fn texels_that_no_binding_holds_are_paged() {
     let mut gpu = common::gpu();
+    gpu.arrays_in_textures = false;
     let buffers = gpu.limits.max_storage_buffer_binding_size;
     gpu.limits.max_texture_dimension_2d = 64;
     for layers in [1, 4] {
@@ -405,7 +406,7 @@ fn texels_that_no_binding_holds_are_paged() {
 /// More than the 128 MiB that WebGPU grants a binding by default, and lavapipe any.
 #[test]
 fn texels_beyond_128_mib_are_read() {
-    let gpu = common::gpu();
+    let mut gpu = common::gpu();
     let count = 160 << 18;
     let bytes = 4 * u64::from(count);
     assert!(bytes > gpu.limits.max_storage_buffer_binding_size);
@@ -419,7 +420,10 @@ fn texels_beyond_128_mib_are_read() {
         .collect();
     assert!(indices.iter().all(|&index| index < count));
     let expected: Vec<u32> = indices.iter().map(|&i| packed.texels[i as usize]).collect();
-    assert_eq!(texel_words_gpu(&gpu, &packed, &indices), expected);
+    for textures in [false, true] {
+        gpu.arrays_in_textures = textures;
+        assert_eq!(texel_words_gpu(&gpu, &packed, &indices), expected);
+    }
 }
 
 /// A textured quad gives the same film whether its texels are paged or not.
@@ -464,6 +468,7 @@ fn a_paged_picture_is_the_same() {
     let packed = pack(&scene, &view).unwrap();
     let settings = picture::whole(&packed, 2);
     let mut gpu = common::gpu();
+    gpu.arrays_in_textures = false;
     let plain = picture::on_gpu(&mut gpu, &packed, &settings);
     // Less than the texels, and more than all else, the renderer's own buffers included.
     gpu.limits.max_storage_buffer_binding_size = 8 << 20;

@@ -1,6 +1,7 @@
 //! Finding and opening an adapter.
 
 use super::kernel::Kernel;
+use crate::pack::ARRAYS;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 use thiserror::Error;
@@ -12,6 +13,8 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     pub info: wgpu::AdapterInfo,
     pub limits: wgpu::Limits,
+    /// Whether kernels read the packed scene from storage textures: see `gpu::fetch`.
+    pub arrays_in_textures: bool,
     /// What `open` was asked for, to open it again.
     wanted: Option<String>,
     faults: Arc<Mutex<Vec<Fault>>>,
@@ -171,6 +174,8 @@ pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
     Ok(Gpu {
         device,
         queue,
+        arrays_in_textures: info.device_type == wgpu::DeviceType::Cpu
+            && limits.max_storage_textures_per_shader_stage >= ARRAYS.len() as u32,
         info,
         limits,
         wanted: wanted.map(str::to_owned),

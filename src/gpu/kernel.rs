@@ -1,8 +1,10 @@
 //! A linked shader as a compute pipeline, and its bind groups.
 
 use super::device::Gpu;
+use super::fetch::{FetchError, fetch_from_textures};
 use super::link::{LinkError, Linked, ShaderError, Value, link};
 use super::prune::prune;
+use crate::pack::ARRAYS;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
@@ -22,6 +24,8 @@ pub enum KernelError {
     Link(#[from] LinkError),
     #[error(transparent)]
     Shader(#[from] ShaderError),
+    #[error(transparent)]
+    Fetch(#[from] FetchError),
     #[error("shader {shader} has no entry point {entry}")]
     NoEntry { shader: String, entry: String },
     #[error("the driver refused shader {shader}, entry point {entry}: {message}")]
@@ -54,6 +58,9 @@ impl Kernel {
             });
         }
         prune(&mut module, entry);
+        if gpu.arrays_in_textures {
+            fetch_from_textures(&mut module, |name| ARRAYS.contains(&name))?;
+        }
         // Only what the entry point reaches is left.
         let mut used: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for (_, variable) in module.global_variables.iter() {
@@ -101,7 +108,7 @@ impl Kernel {
         constants: &[(&str, Value)],
     ) -> Result<Arc<Self>, KernelError> {
         let kernels = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = kernels.get(&name_of(module, entry, constants)) {
+        if let Some(kernel) = kernels.get(&name_of(gpu, module, entry, constants)) {
             return Ok(Arc::clone(kernel));
         }
         drop(kernels);
@@ -120,7 +127,7 @@ impl Kernel {
         constants: &[(&str, Value)],
     ) {
         let mut kernels = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        kernels.insert(name_of(module, entry, constants), Arc::clone(self));
+        kernels.insert(name_of(gpu, module, entry, constants), Arc::clone(self));
     }
 
     /// The bind groups 0 to the highest one used, with what `resource(group, binding)` gives.
@@ -151,6 +158,7 @@ impl Kernel {
 }
 
 /// By which a device finds a kernel of the renderer's again.
-fn name_of(module: &str, entry: &str, constants: &[(&str, Value)]) -> String {
-    format!("{module} {entry} {constants:?}")
+fn name_of(gpu: &Gpu, module: &str, entry: &str, constants: &[(&str, Value)]) -> String {
+    let textures = gpu.arrays_in_textures;
+    format!("{module} {entry} {textures} {constants:?}")
 }

@@ -1,6 +1,7 @@
 //! The GPU side: an adapter, linked kernels, the packed scene uploaded, and the wavefront loop.
 
 pub mod device;
+pub mod fetch;
 pub mod kernel;
 pub mod link;
 pub mod prune;

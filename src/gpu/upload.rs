@@ -2,6 +2,7 @@
 //! `shaders/bindings.wgsl` says.
 
 use super::device::{Fault, Gpu};
+use super::fetch::ROW_BITS;
 use super::link::Value;
 use crate::pack::Packed;
 use crate::shared::Material;
@@ -10,10 +11,17 @@ use thiserror::Error;
 /// Group 0, in the order of its bindings.
 pub struct Scene {
     pub frame: wgpu::Buffer,
-    buffers: Vec<wgpu::Buffer>,
+    tables: wgpu::Buffer,
+    arrays: Vec<Array>,
     environment: wgpu::TextureView,
     environment_cells: wgpu::TextureView,
     pages: Option<Pages>,
+}
+
+/// One of the packed arrays, where `Gpu::arrays_in_textures` says.
+enum Array {
+    Buffer(wgpu::Buffer),
+    Texture(wgpu::TextureView),
 }
 
 /// Texels in textures, where one binding of a buffer does not hold them. All eight storage buffers
@@ -155,14 +163,11 @@ impl Scene {
     /// Checks every size against the device's limits before anything is allocated.
     pub fn upload(gpu: &Gpu, packed: &Packed) -> Result<Self, UploadError> {
         let arrays = packed.arrays();
-        let limit = gpu
-            .limits
-            .max_storage_buffer_binding_size
-            .min(gpu.limits.max_buffer_size);
         let shape = PageShape::of(&gpu.limits);
-        let paged = packed.texels.len() as u64 * 4 > limit;
+        let paged = packed.texels.len() as u64 * 4 > largest_array(gpu, TEXELS);
         for (what, bytes) in arrays {
             let bytes = bytes.len() as u64;
+            let limit = largest_array(gpu, what);
             let limit = match what {
                 TEXELS => limit.max(PageShape::MOST_PAGES * shape.page_bytes()),
                 _ => limit,
@@ -187,20 +192,29 @@ impl Scene {
             bytemuck::bytes_of(&packed.frame),
             wgpu::BufferUsages::UNIFORM,
         );
-        let mut buffers = vec![buffer(
+        let tables = buffer(
             gpu,
             "tables",
             bytemuck::bytes_of(&*packed.tables),
             wgpu::BufferUsages::UNIFORM,
-        )];
-        for (what, bytes) in arrays {
-            let bytes = if paged && what == TEXELS { &[] } else { bytes };
-            buffers.push(buffer(gpu, what, bytes, wgpu::BufferUsages::STORAGE));
-        }
+        );
+        let arrays = arrays
+            .into_iter()
+            .map(|(what, bytes)| {
+                let bytes = if paged && what == TEXELS { &[] } else { bytes };
+                if gpu.arrays_in_textures {
+                    Array::Texture(array_texture(gpu, what, bytes))
+                } else {
+                    let usage = wgpu::BufferUsages::STORAGE;
+                    Array::Buffer(buffer(gpu, what, bytes, usage))
+                }
+            })
+            .collect();
         let [cells_x, cells_y] = packed.frame.environment_cells;
         let scene = Self {
             frame,
-            buffers,
+            tables,
+            arrays,
             environment: texture(
                 gpu,
                 "environment",
@@ -246,9 +260,92 @@ impl Scene {
                 let pages = self.pages.as_ref().expect("kernels were told of pages");
                 wgpu::BindingResource::TextureView(&pages.views[page as usize - 11])
             }
-            other => self.buffers[other as usize - 1].as_entire_binding(),
+            1 => self.tables.as_entire_binding(),
+            other => match &self.arrays[other as usize - 2] {
+                Array::Buffer(buffer) => buffer.as_entire_binding(),
+                Array::Texture(view) => wgpu::BindingResource::TextureView(view),
+            },
         }
     }
+}
+
+/// Bytes that one array may have on the device.
+fn largest_array(gpu: &Gpu, what: &str) -> u64 {
+    let limits = &gpu.limits;
+    if gpu.arrays_in_textures {
+        // No driver says how large a texture may be in all; a buffer of that size it does offer.
+        let rows = u64::from(limits.max_texture_dimension_2d);
+        ((texel_of(what).0 as u64 * rows) << ROW_BITS).min(limits.max_buffer_size)
+    } else {
+        limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size)
+    }
+}
+
+/// Bytes of one texel of an array's texture, and its format: as `fetch_from_textures` has them.
+fn texel_of(what: &str) -> (u32, wgpu::TextureFormat) {
+    match what {
+        "vertices" | TEXELS => (4, wgpu::TextureFormat::R32Uint),
+        _ => (16, wgpu::TextureFormat::Rgba32Uint),
+    }
+}
+
+/// Most bytes that are staged at once.
+const STAGED: usize = 64 << 20;
+
+/// An array as rows of 2^ROW_BITS texels, the last one as far as it goes.
+fn array_texture(gpu: &Gpu, what: &str, bytes: &[u8]) -> wgpu::TextureView {
+    let (texel_bytes, format) = texel_of(what);
+    let row_bytes = (texel_bytes as usize) << ROW_BITS;
+    let texels = bytes.len() / texel_bytes as usize;
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(what),
+        size: wgpu::Extent3d {
+            width: texels.clamp(1, 1 << ROW_BITS) as u32,
+            height: bytes.len().div_ceil(row_bytes).max(1) as u32,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let (rows, rest) = bytes.split_at(bytes.len() / row_bytes * row_bytes);
+    let mut y = 0;
+    for part in rows
+        .chunks((STAGED / row_bytes).max(1) * row_bytes)
+        .chain([rest])
+    {
+        let width = part.len().min(row_bytes);
+        if width == 0 {
+            continue;
+        }
+        let height = (part.len() / width) as u32;
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d { x: 0, y, z: 0 },
+                ..texture.as_image_copy()
+            },
+            part,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(width as u32),
+                rows_per_image: None,
+            },
+            wgpu::Extent3d {
+                width: width as u32 / texel_bytes,
+                height,
+                depth_or_array_layers: 1,
+            },
+        );
+        // What is staged for a part is let go before the next one's is.
+        gpu.queue.submit([]);
+        y += height;
+    }
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 fn buffer(gpu: &Gpu, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {

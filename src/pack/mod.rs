@@ -45,6 +45,18 @@ pub struct Packed {
     pub environment_cells: Vec<[f32; 2]>,
 }
 
+/// The arrays of `Packed` that kernels index, by name and in the order of their bindings
+/// (shaders/bindings.wgsl, from 2 on).
+pub const ARRAYS: [&str; 7] = [
+    "nodes",
+    "triangles",
+    "instances",
+    "vertices",
+    "materials",
+    "texels",
+    "lights",
+];
+
 impl Packed {
     /// Whether something moves while the shutter is open.
     pub fn moves(&self) -> bool {
@@ -52,18 +64,18 @@ impl Packed {
         self.frame.camera.moves != 0 || self.instances.iter().any(|instance| keys(instance) != 0)
     }
 
-    /// The arrays that kernels bind as storage buffers, by name and in the order of their bindings
-    /// (shaders/bindings.wgsl, from 2 on), as bytes.
-    pub fn arrays(&self) -> [(&'static str, &[u8]); 7] {
-        [
-            ("nodes", bytemuck::cast_slice(&self.nodes)),
-            ("triangles", bytemuck::cast_slice(&self.triangles)),
-            ("instances", bytemuck::cast_slice(&self.instances)),
-            ("vertices", bytemuck::cast_slice(&self.vertices)),
-            ("materials", bytemuck::cast_slice(&self.materials)),
-            ("texels", bytemuck::cast_slice(&self.texels)),
-            ("lights", bytemuck::cast_slice(&self.lights)),
-        ]
+    /// The `ARRAYS` in their order, as bytes.
+    pub fn arrays(&self) -> [(&'static str, &[u8]); ARRAYS.len()] {
+        let bytes: [&[u8]; ARRAYS.len()] = [
+            bytemuck::cast_slice(&self.nodes),
+            bytemuck::cast_slice(&self.triangles),
+            bytemuck::cast_slice(&self.instances),
+            bytemuck::cast_slice(&self.vertices),
+            bytemuck::cast_slice(&self.materials),
+            bytemuck::cast_slice(&self.texels),
+            bytemuck::cast_slice(&self.lights),
+        ];
+        std::array::from_fn(|number| (ARRAYS[number], bytes[number]))
     }
 }
 
