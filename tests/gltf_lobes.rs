@@ -12,7 +12,7 @@ mod lobes;
 
 use chi2::sidak;
 use glam::DVec3;
-use lobes::{Lobe, direction, gltf, gltf_lobes, layered_lobes, transmissive, uniforms};
+use lobes::{Lobe, direction, gltf, gltf_lobes, layered_lobes, lobes, transmissive, uniforms};
 use snell::cpu;
 use snell::lab::{Input, Lab, Output, Stage};
 use snell::shared::{Bsdf, GLTF_INSIDE, GLTF_THIN_WALLED};
@@ -327,6 +327,33 @@ fn only_materials_without_any_rough_lobe_are_deltas() {
             for u in uniforms(9, 200) {
                 let s = cpu::bsdf::bsdf::bsdf_sample(&tables, &(&bsdf).into(), wo, u);
                 assert!(s.pdf > 0.0 && s.delta != 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn asked_at_once_a_lobe_answers_as_it_does_one_by_one() {
+    use cpu::bsdf::bsdf::{bsdf_eval, bsdf_eval_and_sample, bsdf_sample};
+    let tables = tables();
+    for roughness in [0.0, 0.4] {
+        let lobes = [lobes(0.4), gltf_lobes(roughness), layered_lobes(roughness)];
+        for lobe in lobes.iter().flatten() {
+            let bsdf = cpu::bsdf::Bsdf::from(&lobe.bsdf);
+            let views = directions(1, 16).into_iter().zip(directions(2, 16));
+            for ((wo, wi), u) in views.zip(uniforms(3, 16)) {
+                for sides in 0..4 {
+                    let wo = wo.with_z(wo.z * [1.0, -1.0][sides / 2]);
+                    let wi = wi.with_z(wi.z * [1.0, -1.0][sides % 2]);
+                    let (eval, sample) = bsdf_eval_and_sample(&tables, &bsdf, wo, Some(wi), u);
+                    let name = &lobe.name;
+                    assert_eq!(eval, bsdf_eval(&tables, &bsdf, wo, wi), "{name} {wo} {wi}");
+                    assert_eq!(
+                        sample,
+                        bsdf_sample(&tables, &bsdf, wo, u),
+                        "{name} {wo} {u}"
+                    );
+                }
             }
         }
     }

@@ -11,15 +11,44 @@ use glam::{DVec2, UVec2};
 
 /// The nearest visible hit.
 pub fn trace_closest(packed: &Packed, ray: Ray, alpha_seed: u32) -> Hit {
-    trace(packed, ray, alpha_seed, false)
+    pulp::Arch::new().dispatch(Trace {
+        packed,
+        ray,
+        alpha_seed,
+        any: false,
+    })
 }
 
 /// Whether anything visible is hit.
 pub fn trace_any(packed: &Packed, ray: Ray, alpha_seed: u32) -> bool {
-    trace(packed, ray, alpha_seed, true).instance != NONE
+    let query = Trace {
+        packed,
+        ray,
+        alpha_seed,
+        any: true,
+    };
+    pulp::Arch::new().dispatch(query).instance != NONE
+}
+
+/// The arguments of `trace`, which is compiled for each width of vectors.
+struct Trace<'a> {
+    packed: &'a Packed,
+    ray: Ray,
+    alpha_seed: u32,
+    any: bool,
+}
+
+impl pulp::WithSimd for Trace<'_> {
+    type Output = Hit;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Hit {
+        trace(self.packed, self.ray, self.alpha_seed, self.any)
+    }
 }
 
 /// The nearest visible hit, or the first that is found. In a miss, `t` is the ray's `t_max`.
+#[inline(always)]
 pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
     // Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
     // Wide BVHs", algorithm 1, for both levels in one loop. A group is the index of a first child and

@@ -2,7 +2,7 @@
 
 use crate::pack::Packed;
 use crate::shared::Triangle;
-use glam::{DVec3, DVec4, UVec2, UVec3, UVec4, Vec3};
+use glam::{DVec3, UVec2, UVec4, Vec3, Vec4};
 
 /// A ray in the space of one hierarchy. `t` means the same in all of them, so in an object's space
 /// the direction is not of unit length.
@@ -43,7 +43,7 @@ pub const MIN_COMPONENT: f64 = 1e-12;
 /// Boxes grow by this part of their distance from the ray's origin and of their node's size, which
 /// bounds the rounding of the test in float32; without it a ray along a face is lost between two
 /// boxes. 2^-21.
-pub const BOX_PADDING: f64 = 4.76837158203125e-7;
+pub const BOX_PADDING: f32 = 4.76837158203125e-7;
 
 /// Triangles grow by this part of the distance to their first corner, which bounds the rounding of
 /// the edge tests in float32, so that rays do not slip through a shared edge. 2^-22.
@@ -71,46 +71,67 @@ pub fn unpack_bytes(word: u32) -> UVec4 {
     UVec4::new(word & 0xff, word >> 8 & 0xff, word >> 16 & 0xff, word >> 24)
 }
 
-/// Four children of a node: which of them the ray meets, as bits of `NodeHit`. `info` has a byte a
-/// child, its place in the mask in the low five bits and what to set there in the high three. `near`
-/// and `far` have, for each axis, a byte a child: its planes in the order in which the ray meets them.
+/// The bytes of a word, half by half.
+// cpu only: the shader takes a word's bytes apart in registers.
+fn bytes(word: &[u32; 4]) -> &[[u8; 8]; 2] {
+    bytemuck::cast_ref(word)
+}
+
+/// The children of a node, all eight at once where the shader has four: which of them the ray meets, as
+/// bits of `NodeHit`. `info` has a byte a child, its place in the mask in the low five bits and what to set
+/// there in the high three. `near` and `far` have, for each axis, a byte a child: its planes in the order
+/// in which the ray meets them.
+///
+/// In float32, as in the shader: boxes only have to hold what is in them, and their padding sees to that.
+#[inline(always)]
 #[expect(
     clippy::too_many_arguments,
     reason = "the shader's function, whose arguments are registers"
 )]
 pub fn intersect_children(
-    info: u32,
+    info: &[u8; 8],
     octant: u32,
-    near: UVec3,
-    far: UVec3,
-    scale: DVec3,
-    near_origin: DVec3,
-    far_origin: DVec3,
-    t_min: f64,
-    t_max: f64,
+    near: [&[u8; 8]; 3],
+    far: [&[u8; 8]; 3],
+    scale: Vec3,
+    near_origin: Vec3,
+    far_origin: Vec3,
+    t_min: f32,
+    t_max: f32,
 ) -> u32 {
     // Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
     // Wide BVHs", algorithm 1 and section 3. Inner children alone have both bits; their place is
     // turned by the octant, so that the highest bit of the mask is the nearest child.
-    let inner = ((info & (info << 1)) & 0x1010_1010) >> 4;
-    let place = unpack_bytes((info ^ (inner * octant)) & 0x1f1f_1f1f);
-    let bits = unpack_bytes((info >> 5) & 0x0707_0707) << place;
-    // Written out: `array::map` is not always inlined, which doubles the time of a render.
-    let planes =
-        |bytes: u32, scale: f64, origin: f64| unpack_bytes(bytes).as_dvec4() * scale + origin;
-    let enter = planes(near.x, scale.x, near_origin.x)
-        .max(planes(near.y, scale.y, near_origin.y))
-        .max(planes(near.z, scale.z, near_origin.z))
-        .max(DVec4::splat(t_min));
-    let leave = planes(far.x, scale.x, far_origin.x)
-        .min(planes(far.y, scale.y, far_origin.y))
-        .min(planes(far.z, scale.z, far_origin.z))
-        .min(DVec4::splat(t_max));
-    let met = UVec4::select(enter.cmple(leave), bits, UVec4::ZERO);
-    met.x | met.y | met.z | met.w
+    // Four at a time: what is written for eight is not made into vectors by the compiler.
+    let half = |half: usize| {
+        let planes = |bytes: &[u8; 8], scale: f32, origin: f32| {
+            let byte = |child: usize| f32::from(bytes[4 * half + child]);
+            Vec4::new(byte(0), byte(1), byte(2), byte(3)) * scale + origin
+        };
+        let enter = planes(near[0], scale.x, near_origin.x)
+            .max(planes(near[1], scale.y, near_origin.y))
+            .max(planes(near[2], scale.z, near_origin.z))
+            .max(Vec4::splat(t_min));
+        let leave = planes(far[0], scale.x, far_origin.x)
+            .min(planes(far[1], scale.y, far_origin.y))
+            .min(planes(far[2], scale.z, far_origin.z))
+            .min(Vec4::splat(t_max));
+        enter.cmple(leave).bitmask()
+    };
+    let mut children = half(0) | half(1) << 4;
+    let mut met = 0;
+    while children != 0 {
+        let info = u32::from(info[children.trailing_zeros() as usize]);
+        let inner = (info & (info << 1) & 0x10) >> 4;
+        let place = (info ^ (inner * octant)) & 0x1f;
+        met |= (info >> 5) << place;
+        children &= children - 1;
+    }
+    met
 }
 
 /// Node number `index`, between `t_min` and `t_max` of the ray.
+#[inline(always)]
 pub fn intersect_node(
     packed: &Packed,
     ray: &LocalRay,
@@ -119,7 +140,7 @@ pub fn intersect_node(
     index: u32,
 ) -> NodeHit {
     let first = 5 * index as usize;
-    let &[corner, header, x, y, z] = packed.nodes[first..]
+    let [corner, header, x, y, z]: &[[u32; 4]; 5] = packed.nodes[first..]
         .first_chunk()
         .expect("invariant: a node has five words");
     // Planes are corner + byte * 2^exponent; a float's exponent bits make the power of two.
@@ -131,33 +152,25 @@ pub fn intersect_node(
         f32::from_bits(corner[1]),
         f32::from_bits(corner[2]),
     );
-    let scale = step * ray.inverse;
-    let entry = (lower.as_dvec3() - ray.origin) * ray.inverse;
+    // The difference in float64: what the origin loses by rounding may be more than a box.
+    let scale = (step * ray.inverse).as_vec3();
+    let entry = ((lower.as_dvec3() - ray.origin) * ray.inverse).as_vec3();
     let padding = BOX_PADDING * (entry.abs() + 255.0 * scale.abs());
-    let near_origin = entry - padding;
-    let far_origin = entry + padding;
-    // Lower planes of children 0 to 3 and 4 to 7, then upper planes.
-    let order = |planes: [u32; 4], up: bool| match (planes, up) {
-        ([l0, l1, u0, u1], true) => ([l0, l1], [u0, u1]),
-        ([l0, l1, u0, u1], false) => ([u0, u1], [l0, l1]),
-    };
-    let (near_x, far_x) = order(x, ray.octant & 4 != 0);
-    let (near_y, far_y) = order(y, ray.octant & 2 != 0);
-    let (near_z, far_z) = order(z, ray.octant & 1 != 0);
-    let half = |half: usize| {
-        intersect_children(
-            header[2 + half],
-            ray.octant,
-            UVec3::new(near_x[half], near_y[half], near_z[half]),
-            UVec3::new(far_x[half], far_y[half], far_z[half]),
-            scale,
-            near_origin,
-            far_origin,
-            t_min,
-            t_max,
-        )
-    };
-    let met = half(0) | half(1);
+    // Lower planes of children 0 to 7, then upper planes.
+    let [x, y, z] = [bytes(x), bytes(y), bytes(z)];
+    let first = |bit: u32| usize::from(ray.octant & bit == 0);
+    let (near_x, near_y, near_z) = (first(4), first(2), first(1));
+    let met = intersect_children(
+        &bytes(header)[1],
+        ray.octant,
+        [&x[near_x], &y[near_y], &z[near_z]],
+        [&x[1 - near_x], &y[1 - near_y], &z[1 - near_z]],
+        scale,
+        entry - padding,
+        entry + padding,
+        t_min as f32,
+        t_max as f32,
+    );
     NodeHit {
         inner: UVec2::new(header[0], (met & 0xff00_0000) | (corner[3] >> 24)),
         leaves: UVec2::new(header[1], met & 0x00ff_ffff),
@@ -166,6 +179,7 @@ pub fn intersect_node(
 
 /// Both sides are hit, with tolerances from the rounding of the terms in float32. A triangle seen so
 /// nearly edge-on, or so thin, that its determinant is all rounding is missed.
+#[inline(always)]
 pub fn intersect_triangle(ray: &LocalRay, triangle: &Triangle) -> TriangleHit {
     // Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection".
     let e1 = Vec3::from_array(triangle.e1).as_dvec3();

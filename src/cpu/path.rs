@@ -1,7 +1,7 @@
 //! The estimator: one path from the camera, in one function, and the loop over pixels around it.
 //! The GPU's kernels (`shaders/kernels`) are the sentences of `Li` taken apart.
 
-use super::bsdf::bsdf::{bsdf_eval, bsdf_is_delta, bsdf_sample};
+use super::bsdf::bsdf::{bsdf_eval_and_sample, bsdf_is_delta};
 use super::bsdf::lobe::DELTA_STRAIGHT;
 use super::bvh::trace_closest;
 use super::camera::{camera_at, camera_ray};
@@ -101,49 +101,54 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
 
         let bsdf = bsdf_at(packed, material, &surface, interface.eta);
         let wo = to_local(surface.basis, -ray.direction);
+        let mut light = None;
         if frame.light_weight_total > 0.0 && !bsdf_is_delta(&bsdf) {
             rng.dimension = bounce_dimension(bounce, DIMENSION_LIGHT);
             let u_pick = next_1d(rng);
-            let light = light_sample(packed, surface.p, u_pick, next_2d(rng), ray.time);
-            let wi = to_local(surface.basis, light.wi);
-            if light.pdf > 0.0 && sides_agree(wi, light.wi.dot(surface.ng)) {
-                let eval = bsdf_eval(&packed.tables, &bsdf, wo, wi);
-                let weight = match light.delta != 0 {
-                    true => 1.0,
-                    false => power_heuristic(light.pdf, eval.pdf),
-                };
-                let along = if wi.z < 0.0 { far } else { media };
-                let Ld = beta
-                    * transmittance(packed, along, light.distance)
-                    * eval.f
-                    * wi.z.abs()
-                    * light.Le
-                    * (weight / light.pdf);
-                let shadow = Ray {
-                    origin: offset_origin(surface.p, surface.ng, light.wi, surface.p_error),
-                    t_min: 0.0,
-                    direction: light.wi,
-                    t_max: light.distance * (1.0 - SHADOW_SHORTENING),
-                    time: ray.time,
-                };
-                if Ld != DVec3::ZERO {
-                    counts.shadow_rays += 1;
-                    L += Ld
-                        * visibility(
-                            packed,
-                            shadow,
-                            media_ior(packed, along, wavelength),
-                            frame.max_depth - 1 - bounce,
-                            ray_alpha_seed(*rng, 2 * bounce + 1),
-                        );
-                }
+            let sample = light_sample(packed, surface.p, u_pick, next_2d(rng), ray.time);
+            let wi = to_local(surface.basis, sample.wi);
+            if sample.pdf > 0.0 && sides_agree(wi, sample.wi.dot(surface.ng)) {
+                light = Some((sample, wi));
             }
         }
-
         rng.dimension = bounce_dimension(bounce, DIMENSION_BSDF);
         let u_lobe = next_1d(rng);
         let u = next_2d(rng);
-        let sample = bsdf_sample(&packed.tables, &bsdf, wo, DVec3::new(u_lobe, u.x, u.y));
+        let u = DVec3::new(u_lobe, u.x, u.y);
+        let wi = light.map(|(_, wi)| wi);
+        let (eval, sample) = bsdf_eval_and_sample(&packed.tables, &bsdf, wo, wi, u);
+        if let Some((light, wi)) = light {
+            let weight = match light.delta != 0 {
+                true => 1.0,
+                false => power_heuristic(light.pdf, eval.pdf),
+            };
+            let along = if wi.z < 0.0 { far } else { media };
+            let Ld = beta
+                * transmittance(packed, along, light.distance)
+                * eval.f
+                * wi.z.abs()
+                * light.Le
+                * (weight / light.pdf);
+            let shadow = Ray {
+                origin: offset_origin(surface.p, surface.ng, light.wi, surface.p_error),
+                t_min: 0.0,
+                direction: light.wi,
+                t_max: light.distance * (1.0 - SHADOW_SHORTENING),
+                time: ray.time,
+            };
+            if Ld != DVec3::ZERO {
+                counts.shadow_rays += 1;
+                L += Ld
+                    * visibility(
+                        packed,
+                        shadow,
+                        media_ior(packed, along, wavelength),
+                        frame.max_depth - 1 - bounce,
+                        ray_alpha_seed(*rng, 2 * bounce + 1),
+                    );
+            }
+        }
+
         let wi = to_world(surface.basis, sample.wi);
         if sample.pdf == 0.0 || !sides_agree(sample.wi, wi.dot(surface.ng)) {
             break;

@@ -35,7 +35,7 @@ pub fn albedo_entry(tables: &Tables, row: u32, column: u32) -> DVec2 {
 
 /// The two fractions of 1 in a word, the low half first.
 pub fn unorm16_pair(word: u32) -> DVec2 {
-    DVec2::new(f64::from(word & 0xffff), f64::from(word >> 16)) / 65535.0
+    DVec2::new(f64::from(word & 0xffff), f64::from(word >> 16)) * (1.0 / 65535.0)
 }
 
 pub fn albedo_average_entry(tables: &Tables, row: u32) -> DVec2 {

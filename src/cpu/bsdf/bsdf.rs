@@ -8,9 +8,14 @@ use super::dielectric::{
     is_smooth_dielectric, rough_dielectric_eval, rough_dielectric_sample, smooth_dielectric_sample,
 };
 use super::distribution::is_smooth;
-use super::gltf::{gltf_eval, gltf_is_delta, gltf_sample, gltf_straight_transmittance};
+use super::gltf::{
+    gltf_eval, gltf_eval_view, gltf_is_delta, gltf_sample, gltf_sample_view,
+    gltf_straight_transmittance, gltf_view,
+};
 use super::lambertian::f_lambertian;
-use super::lobe::{BsdfEval, BsdfSample, is_reflected, mirrored, no_eval, no_sample, sample_of};
+use super::lobe::{
+    BsdfEval, BsdfSample, MIN_COS, is_reflected, mirrored, no_eval, no_sample, sample_of,
+};
 use super::oren_nayar::{f_oren_nayar, f_oren_nayar_eon};
 use super::specular::{specular_reflection_sample, specular_transmission_sample};
 use super::torrance_sparrow::{torrance_sparrow_eval, torrance_sparrow_sample};
@@ -107,6 +112,33 @@ pub fn bsdf_sample_above(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> B
         BSDF_GLTF => gltf_sample(tables, bsdf, wo, u),
         _ => no_sample(), // BSDF_UNLIT
     }
+}
+
+/// `bsdf_eval` for `wi`, where there is one, and `bsdf_sample` by `u`.
+// cpu only: what does not depend on wi takes long and is made once for both; the shader would have to
+// keep it while it looks for lights.
+pub fn bsdf_eval_and_sample(
+    tables: &Tables,
+    bsdf: &Bsdf,
+    wo: DVec3,
+    wi: Option<DVec3>,
+    u: DVec3,
+) -> (BsdfEval, BsdfSample) {
+    let upright = |w: DVec3| if wo.z < 0.0 { mirrored(w) } else { w };
+    if bsdf.model != BSDF_GLTF || upright(wo).z < MIN_COS {
+        let eval = wi.map_or_else(no_eval, |wi| bsdf_eval(tables, bsdf, wo, wi));
+        return (eval, bsdf_sample(tables, bsdf, wo, u));
+    }
+    let view = gltf_view(tables, bsdf, upright(wo));
+    let eval = match wi {
+        Some(wi) if !bsdf_is_delta(bsdf) => {
+            gltf_eval_view(tables, bsdf, &view, upright(wo), upright(wi))
+        }
+        _ => no_eval(),
+    };
+    let sample = gltf_sample_view(tables, bsdf, &view, upright(wo), u);
+    let wi = upright(sample.wi);
+    (eval, BsdfSample { wi, ..sample })
 }
 
 /// What of the light from straight behind the surface goes on to wo unbent: that of smooth thin walls,

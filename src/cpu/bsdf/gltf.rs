@@ -191,33 +191,37 @@ pub fn gltf_view(tables: &Tables, bsdf: &Bsdf, wo: DVec3) -> GltfView {
         view.metal_F0 = F0_filmed(metal, 1.0, schlick_weight(wo.z));
     }
 
-    let near = boundary_energy_average(tables, bsdf, view.F0, eta, roughness);
-    let mut far = near;
-    if is_refractive(bsdf) {
-        far = boundary_energy_average(tables, bsdf, view.F0, 1.0 / eta, roughness);
+    // What has no part in the mixture is left at 0: it is only ever multiplied by its share.
+    if g.metallic < 1.0 {
+        let near = boundary_energy_average(tables, bsdf, view.F0, eta, roughness);
+        let mut far = near;
+        if is_refractive(bsdf) {
+            far = boundary_energy_average(tables, bsdf, view.F0, 1.0 / eta, roughness);
+        }
+        view.near = side_of(tables, bsdf, view.F0, eta, near, far);
+        view.far = view.near;
+        if is_refractive(bsdf) {
+            view.far = side_of(tables, bsdf, view.F0, 1.0 / eta, far, near);
+        }
+        view.energy = boundary_energy_at(tables, bsdf, view.F0, eta, roughness, wo.z);
+        view.passed = passed_energy(view.energy, view.near.returned);
     }
-    view.near = side_of(tables, bsdf, view.F0, eta, near, far);
-    view.far = view.near;
-    if is_refractive(bsdf) {
-        view.far = side_of(tables, bsdf, view.F0, 1.0 / eta, far, near);
+    if g.metallic > 0.0 {
+        view.metal_energy = metal_energy_of(
+            view.metal_F0,
+            albedo_ggx(tables, wo.z, roughness, is_delta),
+            is_delta,
+        );
+        view.metal_average = metal_energy_of(
+            view.metal_F0,
+            albedo_average_ggx(tables, roughness, is_delta),
+            is_delta,
+        );
+        view.metal_returned = F_multiple(
+            view.metal_F0 + (1.0 - view.metal_F0) / 21.0,
+            1.0 - view.metal_average.missing.x,
+        );
     }
-    view.energy = boundary_energy_at(tables, bsdf, view.F0, eta, roughness, wo.z);
-    view.passed = passed_energy(view.energy, view.near.returned);
-
-    view.metal_energy = metal_energy_of(
-        view.metal_F0,
-        albedo_ggx(tables, wo.z, roughness, is_delta),
-        is_delta,
-    );
-    view.metal_average = metal_energy_of(
-        view.metal_F0,
-        albedo_average_ggx(tables, roughness, is_delta),
-        is_delta,
-    );
-    view.metal_returned = F_multiple(
-        view.metal_F0 + (1.0 - view.metal_F0) / 21.0,
-        1.0 - view.metal_average.missing.x,
-    );
 
     view.below_coat = 1.0;
     if is_coated(bsdf) {
@@ -298,33 +302,38 @@ pub fn gltf_reflection(
     let g = bsdf.gltf;
     let is_delta = is_smooth(bsdf);
     let dielectric = 1.0 - g.metallic;
-    let energy = boundary_energy_at(tables, bsdf, view.F0, bsdf.eta.x, view.roughness, wi.z);
-    let passed = passed_energy(energy, view.near.returned);
-    let diffuse = bsdf.reflectance
-        * (dielectric
-            * (1.0 - transmission_share(bsdf))
-            * (1.0 - diffuse_transmission_share(bsdf)));
-    let passed_average = view.near.passed.max(DVec3::splat(PASSED_AVERAGE_MIN));
-    let mut f = diffuse * INV_PI * (view.passed * passed / passed_average);
-    let mut pdf = view.p_above * pdf_cosine_hemisphere(wi.z);
-    if !is_delta {
-        let metal_energy = metal_energy_of(
-            view.metal_F0,
-            albedo_ggx(tables, wi.z, view.roughness, is_delta),
-            is_delta,
-        );
+    let mut f = DVec3::ZERO;
+    if dielectric > 0.0 {
+        let energy = boundary_energy_at(tables, bsdf, view.F0, bsdf.eta.x, view.roughness, wi.z);
+        let passed = passed_energy(energy, view.near.returned);
+        let diffuse = bsdf.reflectance
+            * (dielectric
+                * (1.0 - transmission_share(bsdf))
+                * (1.0 - diffuse_transmission_share(bsdf)));
+        let passed_average = view.near.passed.max(DVec3::splat(PASSED_AVERAGE_MIN));
         let dielectric_lobe = f_multiple(
             view.energy.missing,
             energy.missing,
             view.near.average.missing,
         );
-        let metal_lobe = f_multiple(
-            view.metal_energy.missing,
-            metal_energy.missing,
-            view.metal_average.missing,
-        );
-        f += dielectric * view.near.returned * dielectric_lobe
-            + g.metallic * view.metal_returned * metal_lobe;
+        f += diffuse * INV_PI * (view.passed * passed / passed_average);
+        f += dielectric * view.near.returned * dielectric_lobe;
+    }
+    let mut pdf = view.p_above * pdf_cosine_hemisphere(wi.z);
+    if !is_delta {
+        if g.metallic > 0.0 {
+            let metal_energy = metal_energy_of(
+                view.metal_F0,
+                albedo_ggx(tables, wi.z, view.roughness, is_delta),
+                is_delta,
+            );
+            let metal_lobe = f_multiple(
+                view.metal_energy.missing,
+                metal_energy.missing,
+                view.metal_average.missing,
+            );
+            f += g.metallic * view.metal_returned * metal_lobe;
+        }
         let base_wo = anisotropy_from_local(bsdf, wo);
         let base_wi = anisotropy_from_local(bsdf, wi);
         let wm = half_vector(base_wo, base_wi);
@@ -423,7 +432,17 @@ pub fn gltf_sample(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> BsdfSam
     if wo.z < MIN_COS {
         return no_sample();
     }
-    let view = gltf_view(tables, bsdf, wo);
+    gltf_sample_view(tables, bsdf, &gltf_view(tables, bsdf, wo), wo, u)
+}
+
+// cpu only: the shader keeps no view from one question to the next.
+pub fn gltf_sample_view(
+    tables: &Tables,
+    bsdf: &Bsdf,
+    view: &GltfView,
+    wo: DVec3,
+    u: DVec3,
+) -> BsdfSample {
     let u_direction = DVec2::new(u.y, u.z);
     let base = view.below_coat * view.below_sheen;
     let coat_end = view.p_coat;
@@ -473,7 +492,7 @@ pub fn gltf_sample(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> BsdfSam
     if u.x < reflection_end && drawn.wi.z < MIN_COS {
         return no_sample();
     }
-    sample_of(drawn.wi, gltf_eval_view(tables, bsdf, &view, wo, drawn.wi))
+    sample_of(drawn.wi, gltf_eval_view(tables, bsdf, view, wo, drawn.wi))
 }
 
 /// Whether there is nothing but deltas, whatever wo is.
