@@ -10,6 +10,7 @@ import package::bindings::{materials};
 import package::light::light::{LIGHT_DISTANCE_INFINITE};
 import package::math::{exp_accurate};
 import package::spectrum::{ior_at};
+import package::variant::{BOUNDARIES};
 
 // Material indices, one a body, the one that has the place first; NONE: no further one. A fourth
 // body is not entered.
@@ -63,7 +64,7 @@ fn media_without(media: vec3<u32>, index: u32) -> vec3<u32> {
 // What a path is inside of on wo's side of a surface, by what it was inside of before. Who sees a
 // boundary's back is in its body, even if the path began there or the body is not closed.
 fn media_near(media: vec3<u32>, material_index: u32, front: bool) -> vec3<u32> {
-    let transmissive = (materials[material_index].flags & MATERIAL_TRANSMISSIVE) != 0u;
+    let transmissive = BOUNDARIES && (materials[material_index].flags & MATERIAL_TRANSMISSIVE) != 0u;
     if !transmissive || front || any(media == vec3(material_index)) {
         return media;
     }
@@ -72,7 +73,7 @@ fn media_near(media: vec3<u32>, material_index: u32, front: bool) -> vec3<u32> {
 
 // What it is inside of beyond the surface, by what it is inside of on wo's side.
 fn media_far(media: vec3<u32>, material_index: u32, front: bool) -> vec3<u32> {
-    if (materials[material_index].flags & MATERIAL_TRANSMISSIVE) == 0u {
+    if !BOUNDARIES || (materials[material_index].flags & MATERIAL_TRANSMISSIVE) == 0u {
         return media;
     }
     if front {
@@ -97,7 +98,7 @@ fn is_dispersive(media: vec3<u32>) -> bool {
 // The surface of a material in the media of wo's side. What has no other side, or is its own other
 // side as a thin wall is, has its material's index beyond it.
 fn interface_at(media: vec3<u32>, material_index: u32, front: bool, wavelength: f32) -> Interface {
-    if (materials[material_index].flags & MATERIAL_TRANSMISSIVE) == 0u {
+    if !BOUNDARIES || (materials[material_index].flags & MATERIAL_TRANSMISSIVE) == 0u {
         return Interface(materials[material_index].ior / media_ior(media, wavelength), 0u, 0u);
     }
     let far = media_far(media, material_index, front);

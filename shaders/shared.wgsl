@@ -48,6 +48,15 @@ const GLTF_TRANSMISSIVE: u32 = 1u; // the dielectric part has the exact Fresnel 
 const GLTF_THIN_WALLED: u32 = 2u;  // and passes straight, without refraction
 const GLTF_INSIDE: u32 = 4u;       // wo is inside of the medium: coat, sheen and film are on the other side
 
+// `Triangle.shading_class`: by which kernel its surface is shaded. A driver that carries out every branch
+// for all lanes pays at each surface for the models that any of them may have, so materials that are
+// shaded alike have a kernel of their own.
+const CLASS_DIFFUSE: u32 = 0u; // Lambert, Oren-Nayar, unlit
+const CLASS_OPAQUE: u32 = 1u;  // glTF's dielectric and metal, without extensions' lobes
+const CLASS_OTHER: u32 = 2u;
+const CLASS_MISS: u32 = 3u;    // of rays that leave the scene
+const CLASSES: u32 = 4u;
+
 // `Texture.wrap`: wrap_s | wrap_t << 2; `Texture.format`; `Texture.filter`
 const WRAP_REPEAT: u32 = 0u;
 const WRAP_CLAMP: u32 = 1u;
@@ -190,7 +199,7 @@ struct Triangle {
     material: u32,
     vertex_layout: u32,
     primitive: u32, // running number of the glTF primitive
-    reserved: u32,
+    shading_class: u32,
 }
 
 // A mesh placed in the world; the matrix is 3x4, by rows, and has an inverse. What moves has further keys

@@ -7,11 +7,15 @@
 import package::shared::{BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_GLTF};
 import package::shared::{CAMERA_PANORAMA, CAMERA_FISHEYE, CAMERA_BROWN_CONRADY};
 
+// Which class of surfaces a shading kernel is for; the constants on materials hold for those of the class.
+const SHADED_CLASS: u32 = 0u;
+
 const LENS: bool = true;                      // the camera has an aperture
 const PROFILES: bool = true;                  // some light is a lamp as measured
 const MOTION: bool = true;                    // something moves while the shutter is open
 const TEST_ALPHA: bool = true;                // some material is masked or blended
 const MEDIA: bool = true;                     // some material is the boundary of a medium
+const BOUNDARIES: bool = true;                // of the class' materials
 const DISPERSION: bool = true;                // that disperses
 const THIN_WALLS: bool = true;                // some material is a thin wall
 const BASE_COLOR_TEXTURES: bool = true;       // some material has one; and so on

@@ -38,6 +38,11 @@ pub const MATERIAL_SPECULAR_GLOSSINESS: u32 = 64;
 pub const GLTF_TRANSMISSIVE: u32 = 1;
 pub const GLTF_THIN_WALLED: u32 = 2;
 pub const GLTF_INSIDE: u32 = 4;
+pub const CLASS_DIFFUSE: u32 = 0;
+pub const CLASS_OPAQUE: u32 = 1;
+pub const CLASS_OTHER: u32 = 2;
+pub const CLASS_MISS: u32 = 3;
+pub const CLASSES: u32 = 4;
 pub const WRAP_REPEAT: u32 = 0;
 pub const WRAP_CLAMP: u32 = 1;
 pub const WRAP_MIRROR: u32 = 2;
@@ -157,7 +162,7 @@ pub struct Triangle {
     pub material: u32,
     pub vertex_layout: u32,
     pub primitive: u32,
-    pub reserved: u32,
+    pub shading_class: u32,
 }
 
 /// A mesh placed in the world, or a further key of one that moves; the matrix is 3x4, by rows.

@@ -127,7 +127,7 @@ fn structures_agree_field_by_field() {
                 material,
                 vertex_layout,
                 primitive,
-                reserved
+                shading_class
             }),
         ),
         (

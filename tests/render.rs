@@ -10,10 +10,9 @@ use glam::{Affine3A, Vec3, Vec4};
 use picture::*;
 use snell::film::Film;
 use snell::gpu::fetch::ROW_BITS;
-use snell::gpu::link::Value;
 use snell::gpu::render::{RenderError, render, render_in_batches};
 use snell::gpu::upload::{Scene, UploadError};
-use snell::gpu::variant;
+use snell::gpu::variant::Variants;
 use snell::gpu::wavefront::Wavefront;
 use snell::pack::{Packed, pack};
 use snell::render::Settings;
@@ -209,14 +208,16 @@ fn a_variant_shows_what_the_general_kernels_show() {
             capacity: 64 * 48 * 2,
             ..packed.frame
         };
-        let cells = |constants: &[(&str, Value)]| {
+        let cells = |variants: &Variants| {
             let scene = Scene::upload(&gpu, &packed).unwrap();
-            let wavefront =
-                Wavefront::new(&gpu, scene, constants, frame.capacity, 64 * 48).unwrap();
+            let wavefront = Wavefront::new(&gpu, scene, variants, frame.capacity, 64 * 48).unwrap();
             wavefront.run(&gpu, &frame, true).unwrap();
             wavefront.read_film(&gpu, 64 * 48).unwrap()
         };
-        let (general, variant) = (cells(&[]), cells(&variant::constants(&packed)));
+        let (general, variant) = (
+            cells(&Variants::general(&packed)),
+            cells(&Variants::of(&packed, &[])),
+        );
         let differing = general
             .iter()
             .zip(&variant)

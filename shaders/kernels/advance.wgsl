@@ -2,9 +2,11 @@
 // need not wait to learn them.
 
 import package::bindings::{frame};
-import package::kernels::state::{counters, COUNTER_PATHS, COUNTER_SHADOW, COUNTER_TURN, COUNTER_CLOSEST_RAYS, COUNTER_SHADOW_RAYS, WORKGROUP};
+import package::kernels::state::{counters, COUNTER_PATHS, COUNTER_SHADOW, COUNTER_TURN, COUNTER_CLOSEST_RAYS, COUNTER_SHADOW_RAYS, COUNTER_CLASSES, WORKGROUP};
+import package::shared::{CLASSES};
 
-// Arguments of dispatch_workgroups_indirect: path stages, then the shadow stage.
+// Arguments of dispatch_workgroups_indirect: trace closest, trace shadow, then shading
+// by class.
 @group(1) @binding(2) var<storage, read_write> arguments: array<u32>;
 
 fn set_arguments(first: u32, count: u32) {
@@ -31,6 +33,17 @@ fn advance_bounce() {
     let count = atomicLoad(&counters[COUNTER_PATHS + turn]);
     atomicAdd(&counters[COUNTER_CLOSEST_RAYS], count);
     set_arguments(0u, count);
+    for (var shading_class = 0u; shading_class < CLASSES; shading_class++) {
+        atomicStore(&counters[COUNTER_CLASSES + shading_class], 0u);
+    }
+}
+
+// Before the surfaces of a bounce are shaded.
+@compute @workgroup_size(1)
+fn advance_shade() {
+    for (var shading_class = 0u; shading_class < CLASSES; shading_class++) {
+        set_arguments(8u + 4u * shading_class, atomicLoad(&counters[COUNTER_CLASSES + shading_class]));
+    }
 }
 
 // Before the shadow rays of a bounce.

@@ -1,27 +1,26 @@
-// The middle of the path loop, for one bounce of one path in the queue: what the ray met is known;
+// The middle of the path loop, for one bounce of one path whose ray met a surface of this kernel's class:
 // add what it emits, choose a light and leave a shadow ray to it, choose where the path goes on, and
 // queue it unless it ends here. Sentence by sentence the loop of src/cpu/path.rs.
 
 import package::bindings::{frame, materials};
-import package::shared::{NONE, BSDF_UNLIT, BACKGROUND_COLOR, BACKGROUND_TRANSPARENT, MATERIAL_TRANSMISSIVE};
-import package::kernels::state::{Path, load_path, load_hit, store_path, queue_path, queue_shadow_ray, add_radiance, queued_path, paths, plane, PLANE_RADIANCE, RAY_INFINITY, WORKGROUP};
+import package::shared::{NONE, BSDF_UNLIT, MATERIAL_TRANSMISSIVE};
+import package::kernels::state::{Path, load_path, load_hit, store_path, queue_path, queue_shadow_ray, add_radiance, queued_of_class, counters, paths, RAY_INFINITY, WORKGROUP};
 import package::math::{to_local, to_world};
 import package::ray::{Ray, Hit, offset_origin};
 import package::rng::{next_1d, next_2d};
 import package::surface::{Surface, surface_at};
 import package::material::{bsdf_at, Le_surface};
-import package::light::light::{LightSample, light_sample, light_pdf_triangle, light_pdf_environment};
-import package::light::environment::{Le_environment};
+import package::light::light::{LightSample, light_sample, light_pdf_triangle};
 import package::bsdf::bsdf::{bsdf_eval, bsdf_sample, bsdf_is_delta};
 import package::bsdf::lobe::{DELTA_STRAIGHT};
 import package::medium::{interface_at, media_ior, media_near, media_far, transmittance};
 import package::spectrum::{sample_wavelength, wavelength_weight};
-import package::variant::{MEDIA, DISPERSION, THIN_WALLS};
+import package::variant::{MEDIA, BOUNDARIES, DISPERSION, THIN_WALLS};
 import package::estimator::{power_heuristic, roulette_probability, bounce_dimension, sides_agree, DIMENSION_LIGHT, DIMENSION_BSDF, DIMENSION_ROULETTE, DIMENSION_WAVELENGTH, ROULETTE_START, SHADOW_SHORTENING};
 
 @compute @workgroup_size(WORKGROUP)
 fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = queued_path(id.x);
+    let slot = queued_of_class(id.x);
     if slot == NONE {
         return;
     }
@@ -29,10 +28,6 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     // A variable of its own: WebGPU has no pointers to a structure's members as arguments.
     var rng = path.rng;
     let hit = load_hit(slot);
-    if hit.instance == NONE {
-        shade_miss(slot, path);
-        return;
-    }
     let surface = surface_at(path.ray, hit);
     let material = materials[surface.material];
     let front = surface.front != 0u;
@@ -113,7 +108,7 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     path.beta *= sample.f * (abs(sample.wi.z) / sample.pdf);
-    if MEDIA && sample.wi.z < 0.0 && (material.flags & MATERIAL_TRANSMISSIVE) != 0u {
+    if BOUNDARIES && sample.wi.z < 0.0 && (material.flags & MATERIAL_TRANSMISSIVE) != 0u {
         path.media = far;
         path.eta_scale *= eta * eta;
     }
@@ -140,26 +135,4 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     path.bounce += 1u;
     store_path(slot, path);
     queue_path(slot);
-}
-
-// The ray left the scene: the background for a camera ray, the environment as a light for others.
-fn shade_miss(slot: u32, path: Path) {
-    if path.bounce == 0u {
-        var L = vec4(0.0, 0.0, 0.0, 1.0);
-        if frame.background_kind == BACKGROUND_TRANSPARENT {
-            L.w = 0.0;
-        } else if frame.background_kind == BACKGROUND_COLOR {
-            L = vec4(frame.background, 1.0);
-        } else {
-            L = vec4(Le_environment(path.ray.direction), 1.0);
-        }
-        paths[plane(PLANE_RADIANCE, slot)] = bitcast<vec4<u32>>(L);
-        return;
-    }
-    let Le = Le_environment(path.ray.direction);
-    var weight = 1.0;
-    if !path.delta {
-        weight = power_heuristic(path.pdf_bsdf, light_pdf_environment(path.ray.direction));
-    }
-    add_radiance(slot, path.beta * Le * weight);
 }

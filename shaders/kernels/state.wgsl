@@ -6,11 +6,11 @@
 
 import package::bindings::{frame};
 import package::ray::{Ray, Hit};
-import package::shared::{NONE};
+import package::shared::{NONE, CLASSES};
 import package::rng::{Rng};
 import package::estimator::{path_time};
 import package::medium::{MEDIA_NONE};
-import package::variant::{MEDIA};
+import package::variant::{MEDIA, SHADED_CLASS};
 
 const PLANE_RAY_ORIGIN: u32 = 0u;     // origin, bounce
 const PLANE_RAY_DIRECTION: u32 = 1u;  // direction, pdf of the last BSDF sample (negative: delta)
@@ -23,7 +23,8 @@ const PLANE_SHADOW_DIRECTION: u32 = 7u; // direction, bounce
 const PLANE_SHADOW_LIGHT: u32 = 8u;   // what arrives if nothing is in the way, index of the medium
 const PLANE_QUEUES: u32 = 9u;         // x, y: paths to go on with, in turn; z: shadow rays
 const PLANE_MEDIA: u32 = 10u;         // media that the path is in, wavelength
-const PLANES: u32 = 11u;
+const PLANE_CLASSES: u32 = 11u;       // paths to shade, a component for each class
+const PLANES: u32 = 12u;
 
 const COUNTER_PATHS: u32 = 0u;        // and 1: length of queue x and of queue y
 const COUNTER_SHADOW: u32 = 2u;
@@ -31,7 +32,8 @@ const COUNTER_TURN: u32 = 3u;         // which of the two queues is read in this
 const COUNTER_CLOSEST_RAYS: u32 = 4u; // traced since the last clearing
 const COUNTER_SHADOW_RAYS: u32 = 5u;
 const COUNTER_CLAMPED: u32 = 6u;      // samples that frame.clamp has darkened
-const COUNTERS: u32 = 8u;
+const COUNTER_CLASSES: u32 = 8u;      // and on: length of each class' queue
+const COUNTERS: u32 = COUNTER_CLASSES + CLASSES;
 
 const WORKGROUP: u32 = 64u;
 const RAY_INFINITY: f32 = 3.4028234e38;
@@ -119,6 +121,20 @@ fn queued_path(place: u32) -> u32 {
         return NONE;
     }
     return paths[plane(PLANE_QUEUES, place)][turn];
+}
+
+// Puts a path whose ray has been traced in the queue of those that are shaded alike.
+fn queue_class(slot: u32, shading_class: u32) {
+    let place = atomicAdd(&counters[COUNTER_CLASSES + shading_class], 1u);
+    paths[plane(PLANE_CLASSES, place)][shading_class] = slot;
+}
+
+// The slot at a place of the queue of this kernel's class; NONE past its end.
+fn queued_of_class(place: u32) -> u32 {
+    if place >= atomicLoad(&counters[COUNTER_CLASSES + SHADED_CLASS]) {
+        return NONE;
+    }
+    return paths[plane(PLANE_CLASSES, place)][SHADED_CLASS];
 }
 
 // Puts a path in the queue that the next bounce reads.

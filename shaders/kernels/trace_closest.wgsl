@@ -1,7 +1,8 @@
 // "What does the ray meet first?": one invocation a path in the queue; rays in, hits out.
 
-import package::kernels::state::{load_ray, store_hit, queued_path, counters, paths, plane, PLANE_RNG, PLANE_RAY_ORIGIN, WORKGROUP};
-import package::shared::{NONE};
+import package::kernels::state::{load_ray, store_hit, queued_path, queue_class, counters, paths, plane, PLANE_RNG, PLANE_RAY_ORIGIN, WORKGROUP};
+import package::shared::{NONE, CLASS_MISS};
+import package::bindings::{triangles};
 import package::bvh::{trace_closest};
 import package::estimator::{ray_alpha_seed};
 import package::rng::{Rng};
@@ -15,5 +16,11 @@ fn trace_closest_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     let rng = paths[plane(PLANE_RNG, slot)];
     let bounce = paths[plane(PLANE_RAY_ORIGIN, slot)].w;
     let seed = ray_alpha_seed(Rng(rng.y, rng.z, 0u), 2u * bounce);
-    store_hit(slot, trace_closest(load_ray(slot), seed));
+    let hit = trace_closest(load_ray(slot), seed);
+    store_hit(slot, hit);
+    var shading_class = CLASS_MISS;
+    if hit.instance != NONE {
+        shading_class = triangles[hit.triangle].shading_class;
+    }
+    queue_class(slot, shading_class);
 }

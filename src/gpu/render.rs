@@ -3,7 +3,7 @@
 use super::device::{Fault, Gpu};
 use super::kernel::KernelError;
 use super::upload::{Scene, UploadError};
-use super::variant::constants;
+use super::variant::Variants;
 use super::wavefront::{FilmCell, Wavefront};
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
@@ -135,8 +135,8 @@ fn prepare(
         .min(most)
         // At least one sample of a whole tile.
         .max(tile_pixels);
-    let constants = [constants(packed), scene.constants()].concat();
-    let wavefront = Wavefront::new(gpu, scene, &constants, capacity as u32, tile_pixels as u32)?;
+    let variants = Variants::of(packed, &scene.constants());
+    let wavefront = Wavefront::new(gpu, scene, &variants, capacity as u32, tile_pixels as u32)?;
     if let Some(fault) = gpu.take_fault() {
         return Err(fault.into());
     }

@@ -45,6 +45,7 @@ pub const MODULES: &[Module] = modules![
     "kernels/advance",
     "kernels/bsdf_lab",
     "kernels/generate",
+    "kernels/miss",
     "kernels/shade",
     "kernels/slots",
     "kernels/state",

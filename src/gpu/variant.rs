@@ -2,38 +2,93 @@
 
 use super::link::Value;
 use crate::pack::Packed;
-use crate::shared::{BSDF_UNLIT, LIGHT_PROFILE, MATERIAL_TRANSMISSIVE, Material, NONE, Texture};
+use crate::shared::{
+    BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_TRANSMISSIVE, Material, NONE, Texture,
+    Triangle,
+};
 
-/// The constants' values for a scene, by name. Materials that no triangle has do not count.
-pub fn constants(packed: &Packed) -> Vec<(&'static str, Value)> {
-    let mut used = vec![false; packed.materials.len()];
+/// Names and values of constants.
+pub type Constants = Vec<(&'static str, Value)>;
+
+/// What the kernels of one scene may take for granted.
+#[derive(Clone, Debug, Default)]
+pub struct Variants {
+    pub scene: Constants,
+    /// By class of surfaces, of those that the scene has and of misses.
+    pub classes: Vec<(u32, Constants)>,
+}
+
+impl Variants {
+    /// Those of a scene; `more` goes with all kernels.
+    pub fn of(packed: &Packed, more: &[(&'static str, Value)]) -> Self {
+        let all = |mut constants: Constants| {
+            constants.extend(more);
+            constants
+        };
+        let hit = classes(packed).map(|class| (class, all(class_constants(packed, class))));
+        let miss = [("SHADED_CLASS", Value::Uint(CLASS_MISS))].into_iter();
+        let miss = miss.chain(constants(packed)).collect();
+        Self {
+            scene: all(constants(packed)),
+            classes: hit.chain([(CLASS_MISS, all(miss))]).collect(),
+        }
+    }
+
+    /// Kernels that take nothing for granted, for all classes of a scene.
+    pub fn general(packed: &Packed) -> Self {
+        let class = |class| (class, vec![("SHADED_CLASS", Value::Uint(class))]);
+        Self {
+            scene: Vec::new(),
+            classes: classes(packed).chain([CLASS_MISS]).map(class).collect(),
+        }
+    }
+}
+
+/// The classes of the scene's surfaces.
+fn classes(packed: &Packed) -> impl Iterator<Item = u32> {
+    let mut there = [false; CLASSES as usize];
     for triangle in &packed.triangles {
+        there[triangle.shading_class as usize] = true;
+    }
+    (0..CLASSES).filter(move |&class| there[class as usize])
+}
+
+/// Materials that some triangle has.
+fn used_materials(packed: &Packed, counts: impl Fn(&Triangle) -> bool) -> Vec<&Material> {
+    let mut used = vec![false; packed.materials.len()];
+    for triangle in packed.triangles.iter().filter(|triangle| counts(triangle)) {
         used[triangle.material as usize] = true;
     }
-    let materials: Vec<&Material> = packed
+    packed
         .materials
         .iter()
         .zip(used)
         .filter_map(|(material, used)| used.then_some(material))
-        .collect();
+        .collect()
+}
+
+/// The constants of kernels that meet all materials. Those that no triangle has do not count.
+pub fn constants(packed: &Packed) -> Constants {
+    let materials = used_materials(packed, |_| true);
+    let mut constants = scene_constants(packed, &materials);
+    constants.extend(material_constants(&materials));
+    constants
+}
+
+/// The constants of the kernel that shades the surfaces of one class.
+fn class_constants(packed: &Packed, class: u32) -> Constants {
+    let all = used_materials(packed, |_| true);
+    let own = used_materials(packed, |triangle| triangle.shading_class == class);
+    let mut constants = vec![("SHADED_CLASS", Value::Uint(class))];
+    constants.extend(scene_constants(packed, &all));
+    constants.extend(material_constants(&own));
+    constants
+}
+
+/// What the way of light through the scene depends on, whatever surface is shaded.
+fn scene_constants(packed: &Packed, materials: &[&Material]) -> Constants {
     let some =
         |test: fn(&Material) -> bool| Value::Bool(materials.iter().any(|material| test(material)));
-    let models = materials
-        .iter()
-        .fold(0, |models, material| models | 1 << material.model);
-    // An unlit surface ends its path before any reflection model is asked.
-    let common = |value: fn(&Material) -> u32| {
-        let mut values = materials
-            .iter()
-            .filter(|material| material.model != BSDF_UNLIT)
-            .map(|material| value(material));
-        let first = values.next().unwrap_or(NONE);
-        Value::Uint(if values.all(|value| value == first) {
-            first
-        } else {
-            NONE
-        })
-    };
     vec![
         ("LENS", Value::Bool(packed.frame.camera.lens_radius > 0.0)),
         ("CAMERAS", Value::Uint(1 << packed.frame.camera.kind)),
@@ -55,12 +110,38 @@ pub fn constants(packed: &Packed) -> Vec<(&'static str, Value)> {
             "BASE_COLOR_TEXTURES",
             some(|m| any(&[&m.base_color_texture])),
         ),
+        // Lamps and masks are looked up wherever they are seen from.
+        ("EMISSIVE_TEXTURES", some(|m| any(&[&m.emissive_texture]))),
+    ]
+}
+
+/// What the surfaces alone depend on.
+fn material_constants(materials: &[&Material]) -> Constants {
+    let some =
+        |test: fn(&Material) -> bool| Value::Bool(materials.iter().any(|material| test(material)));
+    let models = materials
+        .iter()
+        .fold(0, |models, material| models | 1 << material.model);
+    // An unlit surface ends its path before any reflection model is asked.
+    let common = |value: fn(&Material) -> u32| {
+        let mut values = materials
+            .iter()
+            .filter(|material| material.model != BSDF_UNLIT)
+            .map(|material| value(material));
+        let first = values.next().unwrap_or(NONE);
+        Value::Uint(if values.all(|value| value == first) {
+            first
+        } else {
+            NONE
+        })
+    };
+    vec![
+        ("BOUNDARIES", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),
         (
             "METALLIC_ROUGHNESS_TEXTURES",
             some(|m| any(&[&m.metallic_roughness_texture])),
         ),
         ("NORMAL_TEXTURES", some(|m| any(&[&m.normal_texture]))),
-        ("EMISSIVE_TEXTURES", some(|m| any(&[&m.emissive_texture]))),
         (
             "TRANSMISSION_TEXTURES",
             some(|m| any(&[&m.transmission_texture])),

@@ -2,24 +2,27 @@
 
 use super::device::{Fault, Gpu};
 use super::kernel::{Kernel, KernelError};
-use super::link::Value;
 use super::read::{read, wait};
 use super::upload::Scene;
+use super::variant::{Constants, Variants};
 use crate::render::Counts;
-use crate::shared::Frame;
+use crate::shared::{CLASS_MISS, CLASSES, Frame};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Bytes of one path's state: `PLANES` of 16 (shaders/kernels/state.wgsl).
-pub const PATH_BYTES: u64 = 176;
+pub const PATH_BYTES: u64 = 192;
 /// `COUNTERS` words, of which some are for the record.
-pub const COUNTER_BYTES: u64 = 32;
+pub const COUNTER_BYTES: u64 = 48;
 const CLOSEST_RAYS: usize = 4;
 const SHADOW_RAYS: usize = 5;
 const CLAMPED: usize = 6;
 /// Byte offset of the shadow stage's dispatch size; that of the path stages comes first.
 const SHADOW_ARGUMENTS: u64 = 16;
+/// The same of the first class' shading; the others' follow at these steps.
+const CLASS_ARGUMENTS: u64 = 32;
+const ARGUMENTS: u64 = 16;
 pub const WORKGROUP: u32 = 64;
 
 /// What `run_timed` tells apart.
@@ -59,7 +62,9 @@ pub struct Wavefront {
     advance_start: Stage,
     advance_bounce: Stage,
     trace_closest: Stage,
-    shade: Stage,
+    advance_shade: Stage,
+    /// By class, of those that the scene has, misses among them.
+    shade: Vec<(u32, Stage)>,
     advance_shadow: Stage,
     trace_shadow: Stage,
     accumulate: Stage,
@@ -79,7 +84,7 @@ impl Wavefront {
     pub fn new(
         gpu: &Gpu,
         scene: Scene,
-        constants: &[(&str, Value)],
+        variants: &Variants,
         capacity: u32,
         tile_pixels: u32,
     ) -> Result<Self, KernelError> {
@@ -99,7 +104,7 @@ impl Wavefront {
         let counters = storage("counters", COUNTER_BYTES, wgpu::BufferUsages::COPY_SRC);
         let arguments = storage(
             "arguments",
-            2 * SHADOW_ARGUMENTS,
+            CLASS_ARGUMENTS + u64::from(CLASSES) * ARGUMENTS,
             wgpu::BufferUsages::INDIRECT,
         );
         let film = storage(
@@ -107,7 +112,7 @@ impl Wavefront {
             u64::from(tile_pixels) * size_of::<FilmCell>() as u64,
             wgpu::BufferUsages::COPY_SRC,
         );
-        let stage = |module: &str, entry: &str, third: &wgpu::Buffer| {
+        let stage_of = |module: &str, entry: &str, third: &wgpu::Buffer, constants: &Constants| {
             let kernel = Kernel::of_renderer(gpu, module, entry, constants)?;
             let groups = kernel.bind(gpu, |group, binding| match (group, binding) {
                 (0, _) => scene.resource(binding),
@@ -117,12 +122,27 @@ impl Wavefront {
             });
             Ok::<_, KernelError>(Stage { kernel, groups })
         };
+        let stage = |module: &str, entry: &str, third: &wgpu::Buffer| {
+            stage_of(module, entry, third, &variants.scene)
+        };
+        let shade = |(class, constants): &(u32, Constants)| {
+            let (module, entry) = match *class {
+                CLASS_MISS => ("miss", "miss_kernel"),
+                _ => ("shade", "shade_kernel"),
+            };
+            Ok((*class, stage_of(module, entry, &film, constants)?))
+        };
         Ok(Self {
             generate: stage("generate", "generate", &film)?,
             advance_start: stage("advance", "advance_start", &arguments)?,
             advance_bounce: stage("advance", "advance_bounce", &arguments)?,
             trace_closest: stage("trace_closest", "trace_closest_kernel", &film)?,
-            shade: stage("shade", "shade_kernel", &film)?,
+            advance_shade: stage("advance", "advance_shade", &arguments)?,
+            shade: variants
+                .classes
+                .iter()
+                .map(shade)
+                .collect::<Result<_, KernelError>>()?,
             advance_shadow: stage("advance", "advance_shadow", &arguments)?,
             trace_shadow: stage("trace_shadow", "trace_shadow_kernel", &film)?,
             accumulate: stage("accumulate", "accumulate_kernel", &film)?,
@@ -155,7 +175,10 @@ impl Wavefront {
             for _ in 0..=frame.max_depth {
                 dispatch(&mut pass, &self.advance_bounce, 1);
                 self.dispatch_queue(&mut pass, &self.trace_closest, 0);
-                self.dispatch_queue(&mut pass, &self.shade, 0);
+                dispatch(&mut pass, &self.advance_shade, 1);
+                for (class, stage) in &self.shade {
+                    self.dispatch_queue(&mut pass, stage, class_arguments(*class));
+                }
                 dispatch(&mut pass, &self.advance_shadow, 1);
                 self.dispatch_queue(&mut pass, &self.trace_shadow, SHADOW_ARGUMENTS);
             }
@@ -208,7 +231,12 @@ impl Wavefront {
         for _ in 0..=frame.max_depth {
             timed(1, &|pass| dispatch(pass, &self.advance_bounce, 1))?;
             timed(2, &|pass| self.dispatch_queue(pass, &self.trace_closest, 0))?;
-            timed(3, &|pass| self.dispatch_queue(pass, &self.shade, 0))?;
+            timed(1, &|pass| dispatch(pass, &self.advance_shade, 1))?;
+            for (class, stage) in &self.shade {
+                timed(3, &|pass| {
+                    self.dispatch_queue(pass, stage, class_arguments(*class))
+                })?;
+            }
             timed(1, &|pass| dispatch(pass, &self.advance_shadow, 1))?;
             timed(4, &|pass| {
                 self.dispatch_queue(pass, &self.trace_shadow, SHADOW_ARGUMENTS)
@@ -224,6 +252,10 @@ impl Wavefront {
         let bytes = u64::from(tile_pixels) * size_of::<FilmCell>() as u64;
         Ok(bytemuck::pod_collect_to_vec(&read(gpu, &self.film, bytes)?))
     }
+}
+
+fn class_arguments(class: u32) -> u64 {
+    CLASS_ARGUMENTS + u64::from(class) * ARGUMENTS
 }
 
 fn bind(pass: &mut wgpu::ComputePass<'_>, stage: &Stage) {

@@ -5,9 +5,10 @@ use super::model::lower_bsdf;
 use super::texture::Textures;
 use crate::scene::{self, AlphaMode, Extensions, Model, Texture};
 use crate::shared::{
-    BSDF_GLTF, BSDF_UNLIT, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH, MATERIAL_ALPHA_BLEND,
-    MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE, MATERIAL_SPECULAR_GLOSSINESS,
-    MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE, Material,
+    BSDF_GLTF, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_UNLIT, CLASS_DIFFUSE,
+    CLASS_OPAQUE, CLASS_OTHER, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH,
+    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE,
+    MATERIAL_SPECULAR_GLOSSINESS, MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE, Material,
 };
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -84,10 +85,44 @@ pub fn pack_material(
         }
         AlphaMode::Blend => packed.flags |= MATERIAL_ALPHA_BLEND,
     }
+    if is_lambertian(&packed) {
+        packed.model = BSDF_LAMBERTIAN;
+    }
     if packed.emission_weight > 0.0 {
         packed.flags |= MATERIAL_EMISSIVE;
     }
     Ok(packed)
+}
+
+/// Whether glTF's material is its diffuse part alone: no metal, and a dielectric that reflects nothing. Its
+/// function is Lambert's then, at a small part of the work.
+fn is_lambertian(material: &Material) -> bool {
+    shading_class(material) == CLASS_OPAQUE
+        && material.flags & MATERIAL_SPECULAR_GLOSSINESS == 0
+        && material.metallic == 0.0
+        && material.specular == 0.0
+}
+
+/// One of `CLASS_*`.
+pub fn shading_class(material: &Material) -> u32 {
+    match material.model {
+        BSDF_LAMBERTIAN | BSDF_OREN_NAYAR | BSDF_OREN_NAYAR_EON | BSDF_UNLIT => CLASS_DIFFUSE,
+        BSDF_GLTF if has_no_extension_lobe(material) => CLASS_OPAQUE,
+        _ => CLASS_OTHER,
+    }
+}
+
+fn has_no_extension_lobe(material: &Material) -> bool {
+    let factors = [
+        material.transmission,
+        material.diffuse_transmission,
+        material.coat,
+        material.iridescence,
+        material.anisotropy,
+    ];
+    material.flags & (MATERIAL_TRANSMISSIVE | MATERIAL_THIN_WALLED) == 0
+        && factors == [0.0; 5]
+        && material.sheen_color == [0.0; 3]
 }
 
 /// The index of glTF's dielectrics. Specular-glossiness has none of its own: its F0 is all that its

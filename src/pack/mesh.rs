@@ -44,7 +44,7 @@ pub fn pack_mesh(
                 material: primitive.material as u32,
                 vertex_layout: layout.flags(),
                 primitive: number as u32,
-                reserved: 0,
+                shading_class: 0,
             });
             boxes.push(Bounds::of_points([p0, p1, p2].map(Vec3A::from)));
         }

@@ -178,7 +178,11 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         .iter()
         .map(|material| material::pack_material(material, &textures))
         .collect::<Result<Vec<_>, _>>()?;
-    let geometry = geometry::pack_geometry(scene, meshes)?;
+    let mut geometry = geometry::pack_geometry(scene, meshes)?;
+    let classes: Vec<u32> = materials.iter().map(material::shading_class).collect();
+    for triangle in &mut geometry.triangles {
+        triangle.shading_class = classes[triangle.material as usize];
+    }
     let environment = scene
         .environment
         .as_ref()

@@ -7,10 +7,11 @@ use glam::{Affine3A, DVec3, Vec3};
 use snell::compare::relative_within;
 use snell::gpu::kernel::Kernel;
 use snell::gpu::link::link;
-use snell::gpu::variant;
+use snell::gpu::variant::{Constants, Variants};
 use snell::pack::Packed;
 use snell::scene::bsdf_model::{Alpha, BsdfModel, Distribution};
 use snell::scene::{Environment, Material, Mesh, Model};
+use snell::shared::CLASS_MISS;
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [64, 64];
@@ -205,7 +206,7 @@ const SHADOW: [&str; 2] = ["trace_shadow", "trace_shadow_kernel"];
 fn assert_seen(packed: &Packed, breaks: &[Break]) {
     let settings = whole(packed, SAMPLES);
     let reference = on_cpu(packed, &settings);
-    let constants = variant::constants(packed);
+    let variants = Variants::of(packed, &[]);
     let mut gpu = common::gpu();
     let mut unseen = Vec::new();
     for Break {
@@ -218,11 +219,28 @@ fn assert_seen(packed: &Packed, breaks: &[Break]) {
         let mut linked = link(&format!("kernels/{module}")).unwrap();
         assert_eq!(linked.text.matches(from).count(), 1, "{name}: `{from}`");
         linked.text = linked.text.replace(from, to);
-        let sound = Kernel::of_renderer(&gpu, module, entry, &constants).unwrap();
-        let broken = Kernel::with_constants(&gpu, &linked, entry, &constants).unwrap();
-        Arc::new(broken).keep(&gpu, module, entry, &constants);
+        let all: Vec<&Constants> = match *module {
+            "shade" => {
+                let hit = variants
+                    .classes
+                    .iter()
+                    .filter(|(class, _)| *class != CLASS_MISS);
+                hit.map(|(_, constants)| constants).collect()
+            }
+            _ => vec![&variants.scene],
+        };
+        let sound: Vec<_> = all
+            .iter()
+            .map(|constants| Kernel::of_renderer(&gpu, module, entry, constants).unwrap())
+            .collect();
+        for constants in &all {
+            let broken = Kernel::with_constants(&gpu, &linked, entry, constants).unwrap();
+            Arc::new(broken).keep(&gpu, module, entry, constants);
+        }
         let broken = on_gpu(&mut gpu, packed, &settings);
-        sound.keep(&gpu, module, entry, &constants);
+        for (sound, constants) in sound.iter().zip(&all) {
+            sound.keep(&gpu, module, entry, constants);
+        }
         let floor = 1e-3 * reference.average();
         let within = relative_within(&broken, &reference, 1e-3, floor).fraction;
         println!("{name}: {:.1} % of pixels differ", 100.0 * (1.0 - within));
