@@ -66,6 +66,20 @@ fn where_the_arrays_are_changes_no_bit() {
     assert!(buffers == textures);
 }
 
+/// Release builds leave wgpu's checks out.
+#[test]
+fn what_is_not_checked_is_the_same() {
+    let packed = gallery();
+    let settings = whole(&packed, 2);
+    let [checked, unchecked] = [true, false].map(|checked| {
+        let mut gpu = common::gpu();
+        assert!(gpu.checked, "tests run with the checks");
+        gpu.checked = checked;
+        on_gpu(&mut gpu, &packed, &settings)
+    });
+    assert!(checked == unchecked);
+}
+
 fn cut(film: &Film, [x, y, width, height]: [u32; 4]) -> Film {
     let mut part = Film::new(width, height);
     for row in 0..height {

@@ -134,6 +134,9 @@ pub struct RenderArgs {
     /// Render with the float64 reference.
     #[arg(long)]
     pub cpu: bool,
+    /// Check every index in the kernels and bound every loop, to track down a fault; slower
+    #[arg(long)]
+    pub checked: bool,
 
     /// Fail where the file uses extensions that would be ignored; naming one that nothing carries is no
     /// use. Approximated ones pass.

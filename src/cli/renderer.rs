@@ -31,7 +31,10 @@ impl Renderer {
             return Ok(Self::Cpu);
         }
         match device::open(args.adapter.as_deref()) {
-            Ok(gpu) => Ok(Self::Gpu(Box::new(gpu))),
+            Ok(mut gpu) => {
+                gpu.checked |= args.checked;
+                Ok(Self::Gpu(Box::new(gpu)))
+            }
             Err(error @ (DeviceError::NoAdapter | DeviceError::BelowDefaults { .. }))
                 if args.adapter.is_none() =>
             {

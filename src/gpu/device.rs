@@ -15,6 +15,8 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     /// Whether kernels read the packed scene from storage textures: see `gpu::fetch`.
     pub arrays_in_textures: bool,
+    /// Whether kernels check each index and bound each loop, as debug builds let them, tests among them.
+    pub checked: bool,
     /// What `open` was asked for, to open it again.
     wanted: Option<String>,
     faults: Arc<Mutex<Vec<Fault>>>,
@@ -176,6 +178,7 @@ pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
         queue,
         arrays_in_textures: info.device_type == wgpu::DeviceType::Cpu
             && limits.max_storage_textures_per_shader_stage >= ARRAYS.len() as u32,
+        checked: cfg!(debug_assertions),
         info,
         limits,
         wanted: wanted.map(str::to_owned),
@@ -202,7 +205,10 @@ impl Gpu {
 
     /// Opens the adapter anew, as after the loss of the device.
     pub fn reopen(&mut self) -> Result<(), DeviceError> {
+        let (checked, arrays_in_textures) = (self.checked, self.arrays_in_textures);
         *self = open(self.wanted.as_deref())?;
+        self.checked = checked;
+        self.arrays_in_textures = arrays_in_textures;
         Ok(())
     }
 }

@@ -69,12 +69,7 @@ impl Kernel {
             }
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let shader = gpu
-            .device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(&linked.name),
-                source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
-            });
+        let shader = shader_module(gpu, &linked.name, module);
         let pipeline = gpu
             .device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -157,8 +152,29 @@ impl Kernel {
     }
 }
 
+/// With wgpu's checks of indices and loops, or without (`Gpu::checked`): they take 8 to 10 % of a ray's time.
+#[expect(unsafe_code, reason = "the only way that wgpu offers")]
+fn shader_module(gpu: &Gpu, name: &str, module: naga::Module) -> wgpu::ShaderModule {
+    let descriptor = wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
+    };
+    if gpu.checked {
+        return gpu.device.create_shader_module(descriptor);
+    }
+    // SAFETY: naga has validated the module. Its kernels index the arrays of `Packed`, whose indices
+    // `pack` makes itself from a checked scene and whose sizes `upload` keeps, tables by clamped places,
+    // and state by slots below `frame.capacity`, for which the wavefront has made room. Every loop ends:
+    // those of traversals with a stack that `bvh::MAX_DEPTH` bounds, the others after a number of steps
+    // that does not depend on data. The tests run with the checks and compare both.
+    unsafe {
+        let checks = wgpu::ShaderRuntimeChecks::unchecked();
+        gpu.device.create_shader_module_trusted(descriptor, checks)
+    }
+}
+
 /// By which a device finds a kernel of the renderer's again.
 fn name_of(gpu: &Gpu, module: &str, entry: &str, constants: &[(&str, Value)]) -> String {
-    let textures = gpu.arrays_in_textures;
-    format!("{module} {entry} {textures} {constants:?}")
+    let (textures, checked) = (gpu.arrays_in_textures, gpu.checked);
+    format!("{module} {entry} {textures} {checked} {constants:?}")
 }
