@@ -203,7 +203,7 @@ def glass():
         s.materials[name] = dict(kind="glass", ior=1.5, roughness=roughness)
     s.add("ball", "clear", placed((-0.45, -0.62, 0.25), 0.37))
     s.add("ball", "frosted", placed((0.05, -0.65, -0.5), 0.34))
-    s.add("box", "satin", placed((0.48, -0.6, 0.3), (0.22, 0.4, 0.22), -25))
+    s.add("box", "satin", placed((0.48, -0.59, 0.3), (0.22, 0.4, 0.22), -25))
     return s
 
 
