@@ -12,7 +12,7 @@ use glam::{Affine3A, DMat3, DVec3, Quat, Vec3};
 use picture::*;
 use snell::compare::z_test;
 use snell::cpu;
-use snell::film::Film;
+use snell::film::{Film, FilmPixel};
 use snell::pack::{PackError, Packed, View, pack};
 use snell::scene::{Instance, Model, Projection, Scene};
 use snell::shared::NONE;
@@ -394,6 +394,7 @@ fn a_moving_lamp_lights_as_the_mean_of_its_still_pictures() {
     let mut gpu = common::gpu();
     let blurred = on_gpu(&mut gpu, &moving, &whole(&moving, STILLS * EACH));
     let mut mean = Film::new(view.film_size[0], view.film_size[1]);
+    let mut sums = vec![([0.0; 3], [0.0; 3], 0.0, 0); mean.pixels.len()];
     let lamp = scene.instances[1].clone();
     for still in 0..STILLS {
         let (matrix, translation) = at(&lamp, (f64::from(still) + 0.5) / f64::from(STILLS));
@@ -406,14 +407,18 @@ fn a_moving_lamp_lights_as_the_mean_of_its_still_pictures() {
         let mut settings = whole(&packed, 0);
         settings.samples = still * EACH..(still + 1) * EACH;
         let film = on_gpu(&mut gpu, &packed, &settings);
-        for (all, one) in mean.pixels.iter_mut().zip(&film.pixels) {
+        for (all, one) in sums.iter_mut().zip(&film.pixels) {
+            let n = f64::from(one.samples);
             for c in 0..3 {
-                all.sum[c] += one.sum[c];
-                all.sum_sq[c] += one.sum_sq[c];
+                all.0[c] += one.sum[c];
+                all.1[c] += n * one.mean_square()[c];
             }
-            all.alpha += one.alpha;
-            all.samples += one.samples;
+            all.2 += f64::from(one.alpha);
+            all.3 += one.samples;
         }
+    }
+    for (pixel, &(sum, sum_sq, alpha, samples)) in mean.pixels.iter_mut().zip(&sums) {
+        *pixel = FilmPixel::of_sums(sum, sum_sq, alpha, samples);
     }
     let verdict = z_test(&blurred, &mean, 0.01);
     let [a, b] = [&blurred, &mean].map(Film::average);

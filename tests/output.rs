@@ -56,6 +56,13 @@ fn film_counts_what_is_not_finite_and_leaves_it_out() {
     assert_eq!(pixel.coverage(), 0.5);
     assert_eq!(pixel.sample_variance(), [2.0, 0.0, 2.0]);
     assert_eq!(pixel.variance(), [1.0, 0.0, 1.0]);
+    assert_eq!(pixel.mean_square(), [5.0, 4.0, 5.0]);
+    let of_sums = FilmPixel::of_sums([4.0; 3], [10.0, 8.0, 10.0], 1.0, 2);
+    let finite = FilmPixel {
+        non_finite: 0,
+        ..pixel
+    };
+    assert_eq!(of_sums, finite);
     assert_eq!(film().non_finite(), 1);
 }
 
@@ -196,6 +203,24 @@ fn exposure_is_in_stops() {
     let bytes = encode_simply(&film, Format::Png, Channels::default(), bright);
     let image = image::load_from_memory(&bytes).unwrap().to_rgb8();
     assert_eq!(image.get_pixel(0, 0).0, [188; 3]);
+}
+
+#[test]
+fn a_pixel_knows_a_small_spread_about_a_large_mean() {
+    // Sums of squares in float32 would lose all of it, and in float64 half of the digits.
+    let mut pixel = FilmPixel::default();
+    let values: Vec<f64> = (0..1000).map(|i| 1e6 + f64::from(i % 7)).collect();
+    for &x in &values {
+        pixel.add([x; 3], 1.0);
+    }
+    let mean = values.iter().sum::<f64>() / 1000.0;
+    let expected = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 999.0;
+    for variance in pixel.sample_variance() {
+        assert!(
+            (variance / expected - 1.0).abs() < 1e-5,
+            "{variance} {expected}"
+        );
+    }
 }
 
 #[test]

@@ -118,7 +118,7 @@ pub fn z_test(a: &Film, b: &Film, alpha: f64) -> Verdict {
             a,
             b,
             |pixel| pixel.sample_variance()[c],
-            |pixel| pixel.sum_sq[c] / f64::from(pixel.samples),
+            |pixel| pixel.mean_square()[c],
         )
     });
     let averages_same = p_mean

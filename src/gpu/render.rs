@@ -241,10 +241,12 @@ fn next_paths(paths: u32, ran: u32, elapsed: Duration) -> u32 {
 fn film_pixel(cell: &FilmCell, samples: u32) -> FilmPixel {
     let sum = |c: usize| f64::from(cell.sum[c]) - f64::from(cell.lost[c]);
     FilmPixel {
-        sum: [sum(0), sum(1), sum(2)],
-        alpha: sum(3),
-        sum_sq: cell.squares.map(f64::from),
-        samples: samples - cell.non_finite,
         non_finite: cell.non_finite,
+        ..FilmPixel::of_sums(
+            [sum(0), sum(1), sum(2)],
+            cell.squares.map(f64::from),
+            sum(3),
+            samples - cell.non_finite,
+        )
     }
 }
