@@ -166,7 +166,7 @@ struct Frame {
     reserved: vec2<u32>,
 }
 
-// Tables that reflection models look up. A uniform, made at start-up by src/tables.rs.
+// Tables that reflection models look up. A uniform, from src/tables.rs.
 struct Tables {
     // Directional albedo of the single-scattering GGX lobe with Schlick's Fresnel, split so that
     // E(cos, roughness) = F0 * x + F90 * y: 16-bit fractions of 1, x in the low half; entry

@@ -137,7 +137,7 @@ pub struct Frame {
     pub reserved: [u32; 2],
 }
 
-/// Tables that reflection models look up. A uniform, made at start-up by src/tables.rs.
+/// Tables that reflection models look up. A uniform, from src/tables.rs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Tables {

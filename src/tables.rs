@@ -1,5 +1,6 @@
-//! The tables that reflection models look up, made at start-up in f64 by fixed rules: the same
-//! everywhere but for the last bit. Rough dielectrics' are in `dielectric`, the sheen layer's in `sheen`;
+//! The tables that reflection models look up, integrated in f64 by fixed rules. The binary holds what came
+//! of it (`tables/tables.bin`, which `examples/make_tables.rs` writes and a test makes again): to integrate
+//! takes longer than a small picture, and its last bit depends on the machine. Rough dielectrics' are in `dielectric`, the sheen layer's in `sheen`;
 //! here is the directional albedo of the single-scattering GGX lobe, E = F0 x + F90 y, as pairs (x, y).
 //!
 //! The lobe is isotropic GGX, alpha = roughness^2, Smith's height-correlated masking, Schlick's
@@ -63,34 +64,26 @@ const NARROW: f64 = 0.22;
 /// in the warped cosine; models never ask for less than the square root of `ALPHA_SMOOTH`.
 const ROUGHNESS_FLOOR: f64 = 0.01;
 
-/// Which of the tables that take long are asked for; the others stay zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Needs {
-    /// `albedo_dielectric` and its averages.
-    pub dielectric: bool,
-    /// `albedo_sheen`.
-    pub sheen: bool,
-}
+/// All tables, as words of four bytes, the lowest first.
+static KEPT: &[u8; size_of::<Tables>()] = include_bytes!("tables/tables.bin");
 
-/// Makes all tables.
+/// All tables.
 pub fn tables() -> Box<Tables> {
-    tables_for(Needs {
-        dielectric: true,
-        sheen: true,
-    })
+    let mut tables = Box::new(Tables::zeroed());
+    let words: &mut [u32] = bytemuck::cast_slice_mut(bytemuck::bytes_of_mut(&mut *tables));
+    for (word, bytes) in words.iter_mut().zip(KEPT.as_chunks().0) {
+        *word = u32::from_le_bytes(*bytes);
+    }
+    tables
 }
 
-/// Makes the tables that are needed: some tens of milliseconds each on two cores.
-pub fn tables_for(needs: Needs) -> Box<Tables> {
+/// Makes all tables: some tenths of a second.
+pub fn integrate() -> Box<Tables> {
     let mut tables = Box::new(Tables::zeroed());
     fill_ggx(&mut tables);
     film::fill(&mut tables);
-    if needs.dielectric {
-        dielectric::fill(&mut tables);
-    }
-    if needs.sheen {
-        sheen::fill(&mut tables);
-    }
+    dielectric::fill(&mut tables);
+    sheen::fill(&mut tables);
     tables
 }
 

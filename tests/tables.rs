@@ -18,7 +18,7 @@ use snell::cpu::bsdf::sheen::f_sheen;
 use snell::cpu::bsdf::specular::{reflection_direction, refraction_direction};
 use snell::cpu::bsdf::torrance_sparrow::facet_sample;
 use snell::shared::{DISTRIBUTION_GGX, Tables};
-use snell::tables::{Needs, albedo_ggx as quadrature_ggx, gauss_legendre, tables, tables_for};
+use snell::tables::{albedo_ggx as quadrature_ggx, gauss_legendre, integrate, tables};
 use subjects::{direction, glass};
 
 /// The lobe's albedo by a plain sum over directions: no visible normals, no closed-form masking
@@ -92,7 +92,7 @@ fn limits_are_those_of_a_mirror() {
 /// Interpolated values must not be below the truth (compensation divides by them), nor far above.
 #[test]
 fn interpolation_stays_just_above_the_truth() {
-    let tables = tables_for(Needs::default());
+    let tables = tables();
     let fine = gauss_legendre(64);
     let smooth = ALPHA_SMOOTH.sqrt();
     let mut highest = [0.0_f64; 2];
@@ -121,7 +121,7 @@ fn interpolation_stays_just_above_the_truth() {
 /// Weighed by (1 - E) / (1 - average), what the lobe misses comes back as a whole, between rows too.
 #[test]
 fn averages_close_the_furnace() {
-    let tables = tables_for(Needs::default());
+    let tables = tables();
     for j in 0..=50 {
         let roughness = 0.05 + 0.95 * j as f64 / 50.0;
         let average = albedo_average_ggx(&tables, roughness, false);
@@ -302,10 +302,7 @@ fn limits_of_the_dielectric_table() {
 /// The layer's albedo by even directions, nothing shared with the table's quadrature but f.
 #[test]
 fn sheen_table_agrees_with_a_plain_sum() {
-    let tables = tables_for(Needs {
-        sheen: true,
-        ..Needs::default()
-    });
+    let tables = tables();
     let (rings, sectors) = (3000, 100);
     for roughness in [0.22, 0.37, 0.5, 0.81, 1.0] {
         for cos in [0.02, 0.05, 0.2, 0.5, 0.77, 1.0_f64] {
@@ -328,25 +325,54 @@ fn sheen_table_agrees_with_a_plain_sum() {
     }
 }
 
+/// The binary holds what the code makes, but for what another machine's logarithms round otherwise.
 #[test]
-fn only_what_is_needed_is_made() {
-    let none = tables_for(Needs::default());
-    let all = tables();
-    assert_eq!(none.albedo, all.albedo);
-    assert!(
-        none.albedo_dielectric
-            .as_flattened()
-            .iter()
-            .all(|&entry| entry == 0)
-    );
-    assert!(
-        none.albedo_sheen
-            .as_flattened()
-            .iter()
-            .all(|&entry| entry == 0)
-    );
-    assert!(all.albedo_dielectric != none.albedo_dielectric);
-    assert!(all.albedo_sheen != none.albedo_sheen);
+fn what_is_kept_is_what_is_integrated() {
+    let (kept, made) = (tables(), integrate());
+    for (name, kept, made) in [
+        ("ggx", &kept.albedo[..], &made.albedo[..]),
+        (
+            "dielectric",
+            &kept.albedo_dielectric,
+            &made.albedo_dielectric,
+        ),
+        ("sheen", &kept.albedo_sheen, &made.albedo_sheen),
+    ] {
+        assert!(made.as_flattened().iter().any(|&pair| pair != 0), "{name}");
+        let pairs = kept.as_flattened().iter().zip(made.as_flattened());
+        for (index, (&kept, &made)) in pairs.enumerate() {
+            for shift in [0, 16] {
+                let [kept, made] = [kept, made].map(|pair| (pair >> shift) & 0xffff);
+                assert!(
+                    kept.abs_diff(made) <= 1,
+                    "{name} {index}: {kept}, not {made}"
+                );
+            }
+        }
+    }
+    // These are averages of the pairs above, so a unit of theirs, and integrals of their own.
+    for (name, kept, made) in [
+        (
+            "ggx's average",
+            &kept.albedo_average[..],
+            &made.albedo_average[..],
+        ),
+        (
+            "dielectric's average",
+            &kept.albedo_average_dielectric,
+            &made.albedo_average_dielectric,
+        ),
+        ("interference", &kept.interference, &made.interference),
+    ] {
+        assert!(made.as_flattened().iter().any(|&x| x != 0.0), "{name}");
+        let values = kept.as_flattened().iter().zip(made.as_flattened());
+        for (index, (kept, made)) in values.enumerate() {
+            assert!(
+                (kept - made).abs() <= 2e-5 * made.abs().max(1.0),
+                "{name} {index}: {kept}, not {made}; cargo run --release --example make_tables"
+            );
+        }
+    }
 }
 
 #[test]

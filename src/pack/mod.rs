@@ -16,11 +16,12 @@ use crate::shared::{
     INSTANCE_KEYS_SHIFT, Instance, Light, MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK,
     MATERIAL_EMISSIVE, MATERIAL_THIN_WALLED, Material, NONE, Tables, Triangle,
 };
-use crate::tables::{Needs, tables_for};
+use crate::tables::tables;
 use bytemuck::Zeroable;
 use environment::PackedEnvironment;
 use geometry::Geometry;
 use glam::{Vec3, Vec4};
+use std::time::{Duration, Instant};
 
 /// Everything a renderer reads, as it goes to the GPU byte for byte.
 #[derive(Clone)]
@@ -140,7 +141,8 @@ pub enum PackError {
 pub struct Packer {
     meshes: geometry::KnownMeshes,
     images: texture::KnownImages,
-    tables: Option<(Needs, Box<Tables>)>,
+    /// What the last picture's meshes and hierarchies took.
+    pub geometry_time: Duration,
 }
 
 impl Packer {
@@ -164,11 +166,11 @@ pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
 }
 
 fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<Packed, PackError> {
-    let (meshes, images, known_tables) = match packer {
+    let (meshes, images, geometry_time) = match packer {
         Some(packer) => (
             Some(&mut packer.meshes),
             Some(&mut packer.images),
-            Some(&mut packer.tables),
+            Some(&mut packer.geometry_time),
         ),
         None => (None, None, None),
     };
@@ -178,7 +180,11 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         .iter()
         .map(|material| material::pack_material(material, &textures))
         .collect::<Result<Vec<_>, _>>()?;
+    let start = Instant::now();
     let mut geometry = geometry::pack_geometry(scene, meshes)?;
+    if let Some(time) = geometry_time {
+        *time = start.elapsed();
+    }
     let classes: Vec<u32> = materials.iter().map(material::shading_class).collect();
     for triangle in &mut geometry.triangles {
         triangle.shading_class = classes[triangle.material as usize];
@@ -245,7 +251,7 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
     }
     Ok(Packed {
         frame,
-        tables: tables(needs(&materials), known_tables),
+        tables: tables(),
         nodes: geometry.nodes,
         triangles: geometry.triangles,
         instances: geometry.instances,
@@ -256,31 +262,6 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         environment: texels_of_environment,
         environment_cells: cells_of_environment,
     })
-}
-
-/// Those that are known, where they hold what is needed: to make them takes longer than a small picture.
-fn tables(needs: Needs, known: Option<&mut Option<(Needs, Box<Tables>)>>) -> Box<Tables> {
-    let Some(known) = known else {
-        return tables_for(needs);
-    };
-    match known {
-        Some((held, tables)) if *held == needs => tables.clone(),
-        _ => {
-            let tables = tables_for(needs);
-            *known = Some((needs, tables.clone()));
-            tables
-        }
-    }
-}
-
-/// The tables that materials look up.
-fn needs(materials: &[Material]) -> Needs {
-    Needs {
-        dielectric: materials.iter().any(|material| material.transmission > 0.0),
-        sheen: materials
-            .iter()
-            .any(|material| material.sheen_color.iter().any(|&part| part > 0.0)),
-    }
 }
 
 fn check_depth(
