@@ -10,13 +10,14 @@ use glam::{Affine3A, Vec3, Vec4};
 use picture::*;
 use snell::film::Film;
 use snell::gpu::fetch::ROW_BITS;
+use snell::gpu::kernel::Kernel;
 use snell::gpu::render::{RenderError, render, render_in_batches};
 use snell::gpu::upload::{Scene, UploadError};
 use snell::gpu::variant::Variants;
-use snell::gpu::wavefront::Wavefront;
+use snell::gpu::wavefront::{Wavefront, kernels};
 use snell::pack::{Packed, pack};
 use snell::render::Settings;
-use snell::scene::{AlphaMode, Model, Projection};
+use snell::scene::{AlphaMode, Environment, Model, Projection};
 use snell::shared::Frame;
 
 /// The gallery in small: every reflection model, area lights, instances. Wider than a tile.
@@ -138,6 +139,34 @@ fn samples_in_two_ranges_are_the_samples_of_one() {
     }
 }
 
+/// Mesa to 22.3 ends all loops of an invocation after 65 536 rounds in all and says nothing, and a pixel's
+/// samples are added in a loop.
+#[test]
+fn a_pixel_keeps_more_samples_than_drivers_run_rounds() {
+    let mut gpu = common::gpu();
+    let mut scene = shapes::scene(Vec::new(), Vec::new());
+    scene.environment = Some(Environment {
+        width: 1,
+        height: 1,
+        radiance: vec![[0.5, 1.0, 2.0]],
+        strength: 1.0,
+        rotation: 0.0,
+    });
+    let packed = packed(&scene, [1, 1]);
+    let most = 1 << 18;
+    let (film, _) = render_in_batches(
+        &mut gpu,
+        &packed,
+        &whole(&packed, most),
+        most..most,
+        &mut |_| {},
+    )
+    .unwrap();
+    for (sum, radiance) in film.pixel(0, 0).sum.iter().zip([0.5, 1.0, 2.0]) {
+        assert_eq!(*sum, radiance * f64::from(most));
+    }
+}
+
 #[test]
 fn a_lost_device_is_opened_again() {
     let mut gpu = common::gpu();
@@ -207,6 +236,20 @@ fn no_submission_nears_a_watchdogs_two_seconds() {
     let (_, statistics) = render(&mut gpu, &packed, &whole(&packed, 16), &mut |_| {}).unwrap();
     println!("longest submission {:?}", statistics.longest_submission);
     assert!(statistics.longest_submission.as_secs_f64() < 2.0);
+}
+
+/// Those that `compile` makes side by side are all that a wavefront asks for, so that none is made by itself.
+#[test]
+fn every_kernel_is_compiled_ahead() {
+    let gpu = common::gpu();
+    let packed = packed(&load_scene(&project("scenes/mirror.gltf")), [8, 8]);
+    let scene = Scene::upload(&gpu, &packed).unwrap();
+    let variants = Variants::of(&packed, &scene.constants());
+    let kernels = kernels(&variants);
+    Kernel::compile(&gpu, &kernels).unwrap();
+    assert_eq!(gpu.kernel_count(), kernels.len());
+    Wavefront::new(&gpu, scene, &variants, 64, 64).unwrap();
+    assert_eq!(gpu.kernel_count(), kernels.len());
 }
 
 /// What a pipeline takes for granted of a scene is true, so leaving it out changes nothing beyond the

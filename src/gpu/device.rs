@@ -203,6 +203,14 @@ impl Gpu {
         faults.into_iter().nth(lost.unwrap_or(0))
     }
 
+    /// How many of the renderer's kernels are compiled.
+    pub fn kernel_count(&self) -> usize {
+        self.kernels
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
+            .len()
+    }
+
     /// Opens the adapter anew, as after the loss of the device.
     pub fn reopen(&mut self) -> Result<(), DeviceError> {
         let (checked, arrays_in_textures) = (self.checked, self.arrays_in_textures);

@@ -4,10 +4,13 @@ use super::device::Gpu;
 use super::fetch::{FetchError, fetch_from_textures};
 use super::link::{LinkError, Linked, ShaderError, Value, link};
 use super::prune::prune;
+use super::variant::Constants;
 use crate::pack::ARRAYS;
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
+use std::time::Instant;
 use thiserror::Error;
 
 /// One entry point, compiled.
@@ -49,11 +52,21 @@ impl Kernel {
         entry: &str,
         constants: &[(&str, Value)],
     ) -> Result<Self, KernelError> {
-        let linked = &linked.with_constants(constants);
-        let (mut module, _) = linked.validate()?;
+        let linked = linked.with_constants(constants);
+        let (module, _) = linked.validate()?;
+        Self::of_module(gpu, &linked.name, module, entry)
+    }
+
+    /// One entry point of a validated module.
+    fn of_module(
+        gpu: &Gpu,
+        name: &str,
+        mut module: naga::Module,
+        entry: &str,
+    ) -> Result<Self, KernelError> {
         if !module.entry_points.iter().any(|point| point.name == entry) {
             return Err(KernelError::NoEntry {
-                shader: linked.name.clone(),
+                shader: name.to_owned(),
                 entry: entry.to_owned(),
             });
         }
@@ -69,7 +82,7 @@ impl Kernel {
             }
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let shader = shader_module(gpu, &linked.name, module);
+        let shader = shader_module(gpu, name, module);
         let pipeline = gpu
             .device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -82,7 +95,7 @@ impl Kernel {
             });
         if let Some(error) = pollster::block_on(scope.pop()) {
             return Err(KernelError::Refused {
-                shader: linked.name.clone(),
+                shader: name.to_owned(),
                 entry: entry.to_owned(),
                 message: error.to_string(),
             });
@@ -111,6 +124,37 @@ impl Kernel {
         let kernel = Arc::new(Self::with_constants(gpu, &linked, entry, constants)?);
         kernel.keep(gpu, module, entry, constants);
         Ok(kernel)
+    }
+
+    /// Compiles those of the renderer's kernels that this device does not have yet, side by side, for which the
+    /// slowest should come first: module, entry point, constants. Neighbours of one module and with the same
+    /// constants are parsed and validated once.
+    pub fn compile(gpu: &Gpu, kernels: &[(&str, &str, &Constants)]) -> Result<(), KernelError> {
+        let known = gpu.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        let missing = kernels.iter().filter(|(module, entry, constants)| {
+            !known.contains_key(&name_of(gpu, module, entry, constants))
+        });
+        let missing: Vec<(&str, &str, &Constants)> = missing.copied().collect();
+        drop(known);
+        let alike = missing.chunk_by(|a, b| a.0 == b.0 && a.2 == b.2);
+        let alike: Vec<&[(&str, &str, &Constants)]> = alike.collect();
+        let compile = |alike: &&[(&str, &str, &Constants)]| {
+            let (module, _, constants) = alike[0];
+            let start = Instant::now();
+            let linked = link(&format!("kernels/{module}"))?.with_constants(constants);
+            let (parsed, _) = linked.validate()?;
+            log::debug!("{module}: parsed in {:.1?}", start.elapsed());
+            for (_, entry, _) in *alike {
+                let start = Instant::now();
+                let kernel = Self::of_module(gpu, &linked.name, parsed.clone(), entry)?;
+                Arc::new(kernel).keep(gpu, module, entry, constants);
+                log::debug!("{entry}: compiled in {:.1?}", start.elapsed());
+            }
+            Ok(())
+        };
+        let done: Vec<Result<(), KernelError>> = alike.par_iter().map(compile).collect();
+        // The first in order, so that two faults always show the same one.
+        done.into_iter().collect()
     }
 
     /// Stands for this one of the renderer's kernels on this device from now on, as a test's broken ones do.

@@ -4,7 +4,7 @@ use super::device::{Fault, Gpu};
 use super::kernel::KernelError;
 use super::upload::{Scene, UploadError};
 use super::variant::Variants;
-use super::wavefront::{FilmCell, Wavefront};
+use super::wavefront::{FilmCell, STAGES, Wavefront};
 use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
 use crate::render::{Counts, Progress, Settings};
@@ -19,6 +19,9 @@ const TILE: u32 = 128;
 const FIRST_PATHS: u32 = TILE * TILE;
 /// No more paths than this at a time: 88 MiB of state.
 const MOST_PATHS: u32 = 1 << 19;
+/// No more samples of a pixel than this at a time: `accumulate` adds them in a loop, and Mesa up to 22.3 ends
+/// all loops of an invocation after 65 536 rounds in all.
+const MOST_SAMPLES: u32 = 1 << 15;
 /// A submission is to stay within these, well under the two seconds of common GPU watchdogs and
 /// long enough that waiting for the device costs nothing.
 const SHORT: Duration = Duration::from_millis(120);
@@ -102,18 +105,75 @@ pub fn render_in_batches(
         statistics,
         progress,
     };
-    for y in (0..height).step_by(TILE as usize) {
-        for x in (0..width).step_by(TILE as usize) {
-            let tile = [x, y, TILE.min(width - x), TILE.min(height - y)];
-            for (index, cell) in (0..).zip(&work.tile_or_again(tile)?) {
-                let (column, row) = (index % tile[2], index / tile[2]);
-                *film.pixel_mut(x + column, y + row) = film_pixel(cell, samples);
-            }
+    for tile in tiles(settings.crop) {
+        let [x, y, ..] = tile;
+        for (index, cell) in (0..).zip(&work.tile_or_again(tile)?) {
+            let (column, row) = (index % tile[2], index / tile[2]);
+            *film.pixel_mut(x + column, y + row) = film_pixel(cell, samples);
         }
     }
     let mut statistics = work.statistics;
     statistics.render = start.elapsed();
     Ok((film, statistics))
+}
+
+/// x, y, width, height in the crop, row by row.
+fn tiles([_, _, width, height]: [u32; 4]) -> impl Iterator<Item = [u32; 4]> {
+    let steps = |size: u32| (0..size).step_by(TILE as usize);
+    steps(height).flat_map(move |y| {
+        steps(width).map(move |x| [x, y, TILE.min(width - x), TILE.min(height - y)])
+    })
+}
+
+/// A part of a tile's samples, from number `sample` on.
+fn part(
+    packed: &Packed,
+    settings: &Settings,
+    [x, y, width, height]: [u32; 4],
+    sample: u32,
+    sample_count: u32,
+) -> Frame {
+    Frame {
+        tile_origin: [settings.crop[0] + x, settings.crop[1] + y],
+        tile_size: [width, height],
+        first_sample: sample,
+        sample_count,
+        capacity: width * height * sample_count,
+        ..packed.frame
+    }
+}
+
+/// Renders the crop so many times over with each dispatch waited for by itself, and throws the films
+/// away: the time of each of the wavefront's `STAGES`, for each time over.
+pub fn time_stages(
+    gpu: &Gpu,
+    packed: &Packed,
+    settings: &Settings,
+    repetitions: usize,
+) -> Result<Vec<[Duration; STAGES.len()]>, RenderError> {
+    let wavefront = prepare(
+        gpu,
+        packed,
+        settings,
+        MOST_PATHS,
+        &mut Statistics::default(),
+    )?;
+    let once = |_| {
+        let mut sums = [Duration::ZERO; STAGES.len()];
+        for tile in tiles(settings.crop) {
+            let most = (wavefront.capacity / (tile[2] * tile[3])).clamp(1, MOST_SAMPLES);
+            let Range { start, end } = settings.samples;
+            for sample in (start..end).step_by(most as usize) {
+                let frame = part(packed, settings, tile, sample, most.min(end - sample));
+                let times = wavefront.run_timed(gpu, &frame, sample == start)?;
+                for (sum, time) in sums.iter_mut().zip(times) {
+                    *sum += time;
+                }
+            }
+        }
+        Ok(sums)
+    };
+    (0..repetitions).map(once).collect()
 }
 
 /// Uploads the scene and compiles the kernels.
@@ -183,20 +243,13 @@ impl Work<'_> {
     }
 
     /// All samples of a tile: x, y, width, height in the crop.
-    fn tile(&mut self, [x, y, width, height]: [u32; 4]) -> Result<Vec<FilmCell>, Fault> {
-        let pixels = width * height;
+    fn tile(&mut self, tile: [u32; 4]) -> Result<Vec<FilmCell>, Fault> {
+        let pixels = tile[2] * tile[3];
         let mut sample = self.settings.samples.start;
         while sample < self.settings.samples.end {
             let sample_count = (self.paths.min(self.wavefront.capacity) / pixels)
-                .clamp(1, self.settings.samples.end - sample);
-            let frame = Frame {
-                tile_origin: [self.settings.crop[0] + x, self.settings.crop[1] + y],
-                tile_size: [width, height],
-                first_sample: sample,
-                sample_count,
-                capacity: pixels * sample_count,
-                ..self.packed.frame
-            };
+                .clamp(1, MOST_SAMPLES.min(self.settings.samples.end - sample));
+            let frame = part(self.packed, self.settings, tile, sample, sample_count);
             let start = Instant::now();
             let first = sample == self.settings.samples.start;
             let counts = self.wavefront.run(self.gpu, &frame, first)?;

@@ -51,6 +51,35 @@ struct Stage {
     groups: Vec<wgpu::BindGroup>,
 }
 
+/// All kernels of a scene: module, entry point, constants. Those that drivers take longest over come first,
+/// and those of one module and its constants beside each other.
+pub fn kernels(variants: &Variants) -> Vec<(&'static str, &'static str, &Constants)> {
+    let shade = variants.classes.iter().rev().map(|(class, constants)| {
+        let (module, entry) = shading(*class);
+        (module, entry, constants)
+    });
+    let scene = [
+        ("trace_shadow", "trace_shadow_kernel"),
+        ("trace_closest", "trace_closest_kernel"),
+        ("generate", "generate"),
+        ("accumulate", "accumulate_kernel"),
+        ("advance", "advance_start"),
+        ("advance", "advance_bounce"),
+        ("advance", "advance_shade"),
+        ("advance", "advance_shadow"),
+    ];
+    let scene = scene.map(|(module, entry)| (module, entry, &variants.scene));
+    shade.chain(scene).collect()
+}
+
+/// Module and entry point that shade a class.
+fn shading(class: u32) -> (&'static str, &'static str) {
+    match class {
+        CLASS_MISS => ("miss", "miss_kernel"),
+        _ => ("shade", "shade_kernel"),
+    }
+}
+
 /// Compiled kernels and their buffers; holds up to `capacity` paths at a time.
 pub struct Wavefront {
     pub capacity: u32,
@@ -88,6 +117,7 @@ impl Wavefront {
         capacity: u32,
         tile_pixels: u32,
     ) -> Result<Self, KernelError> {
+        Kernel::compile(gpu, &kernels(variants))?;
         let storage = |label: &str, bytes: u64, more: wgpu::BufferUsages| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -126,10 +156,7 @@ impl Wavefront {
             stage_of(module, entry, third, &variants.scene)
         };
         let shade = |(class, constants): &(u32, Constants)| {
-            let (module, entry) = match *class {
-                CLASS_MISS => ("miss", "miss_kernel"),
-                _ => ("shade", "shade_kernel"),
-            };
+            let (module, entry) = shading(*class);
             Ok((*class, stage_of(module, entry, &film, constants)?))
         };
         Ok(Self {
