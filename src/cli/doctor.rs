@@ -109,6 +109,9 @@ fn findings(adapters: &[AdapterSummary]) -> Vec<String> {
         .all(|a| a.info.device_type == wgpu::DeviceType::Cpu);
     if cfg!(target_os = "linux") {
         findings.extend(driver_variables());
+        if usable.iter().any(|a| is_llvmpipe(&a.info)) {
+            findings.extend(software_variables());
+        }
         if usable.is_empty() {
             findings.extend(missing_parts());
         }
@@ -150,6 +153,49 @@ fn driver_variables() -> Vec<String> {
         }
     }
     findings
+}
+
+fn is_llvmpipe(info: &wgpu::AdapterInfo) -> bool {
+    info.name.contains("llvmpipe")
+}
+
+/// Variables of Mesa's that make its software renderer slow or wrong.
+fn software_variables() -> Vec<String> {
+    let mut findings = Vec::new();
+    if let Some(width) = std::env::var_os("LP_NATIVE_VECTOR_WIDTH") {
+        findings.push(format!(
+            "LP_NATIVE_VECTOR_WIDTH is {}: Mesa's shader cache does not tell widths apart and gives back code of another one; unset it, or give each width a MESA_SHADER_CACHE_DIR of its own.",
+            width.to_string_lossy()
+        ));
+    }
+    for name in ["MESA_SHADER_CACHE_DISABLE", "MESA_GLSL_CACHE_DISABLE"] {
+        let value = std::env::var(name).unwrap_or_default();
+        if ["1", "true", "yes", "y"].contains(&value.to_lowercase().as_str()) {
+            findings.push(format!(
+                "{name} is {value}: every process compiles its kernels anew, which takes seconds; unset it."
+            ));
+        }
+    }
+    if let Some(folder) = std::env::var_os("MESA_SHADER_CACHE_DIR")
+        && !folder.is_empty()
+        && !is_writable(Path::new(&folder))
+    {
+        findings.push(format!(
+            "MESA_SHADER_CACHE_DIR is '{}', where nothing can be written: every process compiles its kernels anew, which takes seconds.",
+            folder.display()
+        ));
+    }
+    findings
+}
+
+/// Whether a file can be made in the folder, or in the nearest one above that is there: Mesa makes those
+/// that are not.
+fn is_writable(folder: &Path) -> bool {
+    let Ok(folder) = std::path::absolute(folder) else {
+        return false;
+    };
+    let there = folder.ancestors().find(|folder| folder.exists());
+    there.is_some_and(|folder| tempfile::tempfile_in(folder).is_ok())
 }
 
 /// Mesa's device-select layer looks for a Wayland server and complains where there is none.

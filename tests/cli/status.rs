@@ -283,6 +283,17 @@ fn doctor_lists_adapters_or_says_what_is_wrong() {
     ] {
         assert!(text.contains(says), "no '{says}' in:\n{text}");
     }
+    assert!(!text.contains("MESA") && !text.contains("LP_"), "{text}");
+    for (name, value) in [
+        ("LP_NATIVE_VECTOR_WIDTH", "512"),
+        ("MESA_SHADER_CACHE_DISABLE", "true"),
+        ("MESA_SHADER_CACHE_DIR", "scene.gltf/cache"),
+    ] {
+        let output = place.command("doctor").env(name, value).output().unwrap();
+        assert_status(&output, 0, name);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains(&format!("{name} is")), "{text}");
+    }
     let output = place.run_without_adapter("doctor");
     assert_status(&output, 5, "doctor");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
