@@ -204,13 +204,43 @@ impl Achieved {
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Times {
     pub load: f64,
+    /// Of loading: reading and decoding the textures.
+    pub images: f64,
     pub pack: f64,
+    /// Of packing: meshes, their hierarchies, and the one over them.
+    pub geometry: f64,
+    /// Goes on beside loading and packing.
     pub open_adapter: f64,
     pub upload: Option<f64>,
     pub compile: Option<f64>,
     pub render: f64,
     /// Making the files' bytes; writing them comes after the report is made.
     pub encode: f64,
+}
+
+impl Times {
+    /// A line for each stage, for people; `write`: of the files, which the record cannot hold.
+    pub fn lines(&self, write: Option<f64>) -> Vec<String> {
+        let part = |name: &str, whole: &str| format!("{name} (of {whole})");
+        let stages = [
+            ("load".into(), Some(self.load)),
+            (part("images", "load"), Some(self.images)),
+            ("pack".into(), Some(self.pack)),
+            (part("geometry", "pack"), Some(self.geometry)),
+            ("open adapter, meanwhile".into(), Some(self.open_adapter)),
+            ("upload".into(), self.upload),
+            ("compile".into(), self.compile),
+            ("render".into(), Some(self.render)),
+            ("encode".into(), write.map(|_| self.encode)),
+            ("write".into(), write),
+        ];
+        let there = stages
+            .into_iter()
+            .filter_map(|(name, time): (String, _)| Some((name, time?)));
+        there
+            .map(|(name, time)| format!("{name:<24}{time:>10.1} ms"))
+            .collect()
+    }
 }
 
 pub fn milliseconds(time: Duration) -> f64 {

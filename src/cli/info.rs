@@ -90,6 +90,7 @@ fn info(args: &InfoArgs, asset: &Asset, loaded: Loaded) -> Result<Info, Error> {
         counts,
         metadata,
         default_light,
+        image_time: _,
     } = loaded;
     let bounds = gltf::bounds(&scene);
     Ok(Info {

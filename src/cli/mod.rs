@@ -1,5 +1,6 @@
 //! The command line: one module per subcommand, each with its arguments and a `run`.
 
+pub mod bench;
 pub mod bsdf;
 pub mod doctor;
 pub mod info;
@@ -43,6 +44,8 @@ pub enum Command {
     Doctor(doctor::DoctorArgs),
     /// Say what is in a glTF file, and what Snell does with each of its extensions.
     Info(info::InfoArgs),
+    /// Measure how fast this machine renders, part by part.
+    Bench(bench::BenchArgs),
     Bsdf(bsdf::BsdfArgs),
     Plot(plot::PlotArgs),
 }
@@ -54,6 +57,7 @@ impl Cli {
             Command::Render(args) => render::run(&*args.sized()?),
             Command::Doctor(args) => doctor::run(&args),
             Command::Info(args) => info::run(&args),
+            Command::Bench(args) => bench::run(&args),
             Command::Bsdf(args) => bsdf::run(&args),
             Command::Plot(args) => plot::run(&args),
         }

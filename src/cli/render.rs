@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::intrinsics::{self, Calibration};
 use super::record::{self, Inputs, Made};
-use super::renderer::Renderer;
+use super::renderer::{Opening, Renderer};
 use super::sequence::{Frames, Sequence, Shot};
 use super::studio::Studio;
 use super::value::{self, Aov, Background};
@@ -180,30 +180,35 @@ pub fn run(args: &RenderArgs) -> Result<(), Error> {
     let crop = crop(args)?;
     check_film_memory(args, crop)?;
     let mut times = Times::default();
-    let mut work = Work {
-        args,
-        settings: Settings {
-            crop,
-            samples: args.samples.clone().unwrap_or(0..args.spp),
-        },
-        studio: Studio::open(args, &mut times)?,
-        renderer: None,
-        inputs: None,
-        progress: Progress::new(args.quiet, sequence.numbers().len() as u64),
-    };
-    for (done, number) in sequence.numbers().enumerate() {
-        let made = work.picture(sequence.shot(number)?, std::mem::take(&mut times));
-        match made {
-            Err(source) if !sequence.is_single() => {
-                return Err(Error::Frame {
-                    number,
-                    done,
-                    source: Box::new(source),
-                });
+    std::thread::scope(|scope| {
+        let opening = Opening::start(scope, args.cpu, args.adapter.as_deref(), args.checked);
+        let mut work = Work {
+            args,
+            settings: Settings {
+                crop,
+                samples: args.samples.clone().unwrap_or(0..args.spp),
+            },
+            studio: Studio::open(args, &mut times)?,
+            renderer: None,
+            opening,
+            inputs: None,
+            progress: Progress::new(args.quiet, sequence.numbers().len() as u64),
+        };
+        for (done, number) in sequence.numbers().enumerate() {
+            let made = work.picture(sequence.shot(number)?, std::mem::take(&mut times));
+            match made {
+                Err(source) if !sequence.is_single() => {
+                    return Err(Error::Frame {
+                        number,
+                        done,
+                        source: Box::new(source),
+                    });
+                }
+                made => made?,
             }
-            made => made?,
         }
-    }
+        Ok::<(), Error>(())
+    })?;
     if !sequence.is_single() && !args.quiet {
         super::say(&record::sequence_summary(
             args,
@@ -219,8 +224,9 @@ struct Work<'a> {
     args: &'a RenderArgs,
     settings: Settings,
     studio: Studio<'a>,
-    /// Opened when there is something to render.
+    /// From when there is something to render; until then it is being opened.
     renderer: Option<Renderer>,
+    opening: Option<Opening<'a>>,
     /// Read again when the first record is made.
     inputs: Option<Inputs>,
     progress: Progress,
@@ -234,10 +240,9 @@ impl Work<'_> {
         let renderer = match &mut self.renderer {
             Some(renderer) => renderer,
             closed => {
-                let start = Instant::now();
-                let opened = closed.insert(Renderer::open(args)?);
-                times.open_adapter = report::milliseconds(start.elapsed());
-                opened
+                let (opened, time) = Renderer::wait(self.opening.take(), args.adapter.as_deref())?;
+                times.open_adapter = report::milliseconds(time);
+                closed.insert(opened)
             }
         };
         let rendered =
@@ -286,7 +291,13 @@ impl Work<'_> {
             files.push((place, report.json().into_bytes()));
         }
         let files: Vec<(&Place, &[u8])> = files.iter().map(|(p, b)| (*p, b.as_slice())).collect();
+        let start = Instant::now();
         output::file::write_all(&files)?;
+        if log::log_enabled!(log::Level::Info) {
+            for line in times.lines(Some(report::milliseconds(start.elapsed()))) {
+                super::say(&line);
+            }
+        }
         if !args.quiet {
             super::say(&made.summary(started.elapsed()));
         }

@@ -1,9 +1,10 @@
 //! What renders: an adapter, or the CPU.
 
+use std::panic::resume_unwind;
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::thread::{Scope, ScopedJoinHandle};
+use std::time::{Duration, Instant};
 
-use super::render::RenderArgs;
 use crate::error::Error;
 use crate::film::Film;
 use crate::gpu::device::{self, DeviceError, Gpu};
@@ -24,22 +25,50 @@ pub struct Rendered {
     pub counts: Counts,
 }
 
+/// A renderer that is opened while something else goes on: drivers take their time. Kernels check their indices
+/// if `checked`.
+pub struct Opening<'scope>(ScopedJoinHandle<'scope, (Result<Gpu, DeviceError>, Duration)>);
+
+impl<'scope> Opening<'scope> {
+    /// `None` without work to do: the CPU is there.
+    pub fn start(
+        scope: &'scope Scope<'scope, '_>,
+        cpu: bool,
+        adapter: Option<&'scope str>,
+        checked: bool,
+    ) -> Option<Self> {
+        let open = move || {
+            let start = Instant::now();
+            let opened = device::open(adapter).map(|mut gpu| {
+                gpu.checked |= checked;
+                gpu
+            });
+            (opened, start.elapsed())
+        };
+        (!cpu).then(|| Self(scope.spawn(open)))
+    }
+}
+
 impl Renderer {
-    /// The adapter, or the CPU where it is asked for or there is no adapter at all.
-    pub fn open(args: &RenderArgs) -> Result<Self, Error> {
-        if args.cpu {
-            return Ok(Self::Cpu);
-        }
-        match device::open(args.adapter.as_deref()) {
-            Ok(mut gpu) => {
-                gpu.checked |= args.checked;
-                Ok(Self::Gpu(Box::new(gpu)))
-            }
+    /// The adapter, or the CPU where it is asked for or there is no adapter at all; and how long that took.
+    pub fn wait(
+        opening: Option<Opening<'_>>,
+        adapter: Option<&str>,
+    ) -> Result<(Self, Duration), Error> {
+        let Some(opening) = opening else {
+            return Ok((Self::Cpu, Duration::ZERO));
+        };
+        let (opened, time) = opening
+            .0
+            .join()
+            .unwrap_or_else(|panic| resume_unwind(panic));
+        match opened {
+            Ok(gpu) => Ok((Self::Gpu(Box::new(gpu)), time)),
             Err(error @ (DeviceError::NoAdapter | DeviceError::BelowDefaults { .. }))
-                if args.adapter.is_none() =>
+                if adapter.is_none() =>
             {
                 super::say(&format!("rendering on the CPU: {error}"));
-                Ok(Self::Cpu)
+                Ok((Self::Cpu, time))
             }
             Err(error) => Err(error.into()),
         }

@@ -65,6 +65,7 @@ impl<'a> Studio<'a> {
         let start = Instant::now();
         let loaded = self.load(shot.seconds)?;
         times.load += report::milliseconds(start.elapsed());
+        times.images = report::milliseconds(loaded.image_time);
         self.say_notes(&loaded);
 
         let start = Instant::now();
@@ -90,6 +91,7 @@ impl<'a> Studio<'a> {
         )?;
         view::focus(scene, args, &mut packed)?;
         times.pack = report::milliseconds(start.elapsed());
+        times.geometry = report::milliseconds(self.packer.geometry_time);
         Ok(Job {
             shot,
             loaded,

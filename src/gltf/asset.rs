@@ -23,6 +23,7 @@ use serde::Serialize;
 use std::collections::HashSet;
 use std::ops::Range;
 use std::path::Path;
+use std::time::Instant;
 
 /// A file with everything of it that does not change from one moment to the next: buffers, decoded
 /// images, and the meshes of the moment before.
@@ -208,7 +209,9 @@ impl Asset {
             &mut self.extent,
             &mut notes,
         )?;
+        let start = Instant::now();
         scene.images = self.images.decode(&root, &self.buffers, &self.source)?;
+        let image_time = start.elapsed();
         self.taken = self.source.budget.used() - of_this_moment;
 
         for &node in &nodes.shown {
@@ -261,6 +264,7 @@ impl Asset {
             counts,
             metadata: self.metadata.clone(),
             default_light,
+            image_time,
         })
     }
 

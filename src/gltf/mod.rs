@@ -56,6 +56,7 @@ use crate::scene::Scene;
 use json::Json;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Bytes that a scene may take where nothing else is said.
 pub const DEFAULT_MAX_MEMORY: u64 = 4 << 30;
@@ -94,6 +95,8 @@ pub struct Loaded {
     /// The scene brought no light, so that it is lit by [`default_environment`]. Punctual lights and
     /// emissive surfaces are light, but for emissive textures whose factor and strength are within 1.
     pub default_light: bool,
+    /// Reading and decoding the images.
+    pub image_time: Duration,
 }
 
 /// How much of what a file holds. `drawn_*` counts what the scene shows, instances included.
