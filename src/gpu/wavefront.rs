@@ -54,7 +54,10 @@ struct Stage {
 /// All kernels of a scene: module, entry point, constants. Those that drivers take longest over come first,
 /// and those of one module and its constants beside each other.
 pub fn kernels(variants: &Variants) -> Vec<(&'static str, &'static str, &Constants)> {
-    let shade = variants.classes.iter().rev().map(|(class, constants)| {
+    // The plainest class has the lowest number.
+    let mut classes: Vec<&(u32, Constants)> = variants.classes.iter().rev().collect();
+    classes.sort_by_key(|(class, _)| *class == CLASS_MISS);
+    let shade = classes.into_iter().map(|(class, constants)| {
         let (module, entry) = shading(*class);
         (module, entry, constants)
     });
