@@ -25,7 +25,7 @@ pub struct NodeHit {
     pub leaves: UVec2,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct TriangleHit {
     pub t: f64,
     pub u: f64,
@@ -198,7 +198,9 @@ pub fn intersect_triangle(ray: &LocalRay, triangle: &Triangle) -> TriangleHit {
     let away = along * largest_component(tvec);
     let inside =
         u >= -away * length2 && v >= -away * length1 && u + v <= size + away * (length1 + length2);
-    let hit = inside && size > along * length1 * length2;
+    if !(inside && size > along * length1 * length2) {
+        return TriangleHit::default();
+    }
     // The rim that the tolerance adds belongs to the edge.
     let (u, v) = ((u / size).max(0.0), (v / size).max(0.0));
     let sum = (u + v).max(1.0);
@@ -207,7 +209,7 @@ pub fn intersect_triangle(ray: &LocalRay, triangle: &Triangle) -> TriangleHit {
         u: u / sum,
         v: v / sum,
         front: det > 0.0,
-        hit,
+        hit: true,
     }
 }
 

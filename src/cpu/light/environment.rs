@@ -18,7 +18,7 @@ pub fn environment_uv(packed: &Packed, d: DVec3) -> DVec2 {
     );
     let x = d.x * cos - d.z * sin;
     let z = d.x * sin + d.z * cos;
-    let theta = x.hypot(z).atan2(d.y);
+    let theta = (x * x + z * z).sqrt().atan2(d.y);
     DVec2::new(z.atan2(x) * (0.5 * INV_PI) + 0.5, theta * INV_PI)
 }
 
@@ -38,7 +38,10 @@ pub fn environment_direction(packed: &Packed, uv: DVec2) -> DVec3 {
 /// One texel of the map; wraps around horizontally, ends at the poles.
 pub fn environment_texel(packed: &Packed, x: i32, y: i32) -> DVec3 {
     let [width, height] = packed.frame.environment_size.map(|side| side as i32);
-    let place = y.clamp(0, height - 1) * width + (x + width) % width;
+    // Both lie one texel outside at most.
+    let x = if x < 0 { x + width } else { x };
+    let x = if x < width { x } else { x - width };
+    let place = y.clamp(0, height - 1) * width + x;
     let [r, g, b, _] = packed.environment[place as usize];
     DVec3::new(f64::from(r), f64::from(g), f64::from(b))
 }
@@ -86,12 +89,10 @@ pub fn environment_find(packed: &Packed, u: f64, count: u32, y: u32, rows: bool)
     let mut remaining = count - 1;
     while remaining > 0 {
         let half = remaining / 2;
-        if cumulative(first + half) <= u {
-            first += half + 1;
-            remaining -= half + 1;
-        } else {
-            remaining = half;
-        }
+        // Without a branch, which would be mispredicted every other time.
+        let beyond = cumulative(first + half) <= u;
+        first += if beyond { half + 1 } else { 0 };
+        remaining = if beyond { remaining - half - 1 } else { half };
     }
     let above = cumulative(first);
     let below = if first > 0 {
@@ -122,7 +123,7 @@ pub fn environment_sample(packed: &Packed, u: DVec2) -> DVec4 {
 
 /// Density of `environment_sample` at the unit vector d.
 pub fn environment_pdf(packed: &Packed, d: DVec3) -> f64 {
-    let sin_theta = d.x.hypot(d.z);
+    let sin_theta = (d.x * d.x + d.z * d.z).sqrt();
     if packed.frame.environment_weight == 0.0 || sin_theta == 0.0 {
         return 0.0;
     }
