@@ -5,6 +5,7 @@ import package::bindings::{frame, triangles};
 import package::ray::{Ray, Hit};
 import package::intersect::{local_ray, intersect_node, intersect_triangle};
 import package::alpha::{is_visible};
+import package::variant::{INSTANCES};
 import package::transform::{instance_at, normal_matrix, transform_translation, vector_in_object};
 
 // Entries of the stack; the host builds no hierarchies that need more (src/bvh.rs).
@@ -28,19 +29,23 @@ fn trace_any(ray: Ray, alpha_seed: u32) -> bool {
 // in bits 0 to 23.
 fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
     var hit = Hit(ray.t_max, 0.0, 0.0, NONE, NONE);
-    if frame.root == NONE {
+    if INSTANCES && frame.root == NONE {
         return hit;
     }
     var stack: array<vec2<u32>, STACK_SIZE>;
     var stack_size = 0u;
     var mesh_floor = NONE; // stack size at which the mesh is done; NONE: at the top level
-    var instance = NONE;
+    var instance = 0u; // also the only one, if there is but one
     var first_triangle = 0u;
     var local = local_ray(ray.origin, ray.direction);
-    var inner = vec2<u32>(frame.root, 0x80000000u);
+    var inner = vec2<u32>(frame.mesh_root, 0x80000000u);
+    if INSTANCES {
+        inner.x = frame.root;
+    }
     loop {
         var leaves = vec2<u32>(0u);
-        if inner.y > 0x00ffffffu {
+        // Only the top level's primitives wait on the stack.
+        if !INSTANCES || inner.y > 0x00ffffffu {
             let place = firstLeadingBit(inner.y);
             let slot = (place - 24u) ^ local.octant;
             let child = inner.x + countOneBits(inner.y & 0xffu & ~(0xffffffffu << slot));
@@ -56,7 +61,7 @@ fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
             leaves = inner;
             inner = vec2<u32>(0u);
         }
-        if mesh_floor == NONE {
+        if INSTANCES && mesh_floor == NONE {
             if leaves.y != 0u {
                 // Into an instance; what is left here waits on the stack.
                 let place = firstLeadingBit(leaves.y);
@@ -100,7 +105,7 @@ fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
             if stack_size == 0u {
                 break;
             }
-            if stack_size == mesh_floor {
+            if INSTANCES && stack_size == mesh_floor {
                 mesh_floor = NONE;
                 local = local_ray(ray.origin, ray.direction);
             }

@@ -163,7 +163,8 @@ struct Frame {
     has_alpha: u32,            // 1: some material needs the opacity test while tracing
     clamp: f32,                // what the largest channel of a sample's radiance is limited to; 0: not
     has_thin_walls: u32,       // 1: shadow rays may pass some material
-    reserved: vec2<u32>,
+    mesh_root: u32,            // of the one mesh that there is, if it stands in the world as it is; else 0
+    reserved: u32,
 }
 
 // Tables that reflection models look up. A uniform, from src/tables.rs.

@@ -6,7 +6,7 @@ import package::math::{Basis, basis_from_tangent, normalize_accurate, to_local, 
 import package::ray::{Ray, Hit};
 import package::attributes::{attribute_normal, attribute_tangent, attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
-import package::transform::{instance_at, inverse_error, normal_matrix, transform_point, transform_vector};
+import package::transform::{instance_at, inverse_error, transform_normal, transform_point, transform_reach, transform_vector};
 import package::variant::{NORMAL_TEXTURES, COAT_NORMALS};
 
 // In world space; `wo` is against the ray.
@@ -48,10 +48,7 @@ fn geometric_normal(triangle: Triangle, instance: Instance) -> vec3<f32> {
 fn position_error(triangle: Triangle, instance: Instance, p: vec3<f32>, ng: vec3<f32>) -> f32 {
     let reach = abs(triangle.p0) + abs(triangle.e1) + abs(triangle.e2);
     let rows = instance.world_from_object;
-    let extent = abs(p) + vec3<f32>(
-        dot(abs(rows[0]), vec4<f32>(reach, 1.0)),
-        dot(abs(rows[1]), vec4<f32>(reach, 1.0)),
-        dot(abs(rows[2]), vec4<f32>(reach, 1.0)));
+    let extent = abs(p) + transform_reach(rows, reach);
     let terms = dot(abs(ng), extent) + inverse_error(rows, reach, ng, SURFACE_ROUNDING);
     return max(frame.ray_offset_floor, SURFACE_ROUNDING * terms);
 }
@@ -111,7 +108,7 @@ fn surface_at(ray: Ray, hit: Hit) -> Surface {
 
     // The front's shading normal. One that points behind its own face is taken for a mistake of
     // orientation; one of no length, as the geometric normal.
-    var n = normalize_accurate(normal_matrix(rows) * attribute_normal(triangle, barycentrics));
+    var n = normalize_accurate(transform_normal(rows, attribute_normal(triangle, barycentrics)));
     if dot(n, n) == 0.0 {
         n = n_front;
     }

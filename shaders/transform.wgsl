@@ -5,10 +5,13 @@
 
 import package::shared::{Instance, INSTANCE_FLIPPED, INSTANCE_KEYS_SHIFT, INSTANCE_KEYS_MASK};
 import package::bindings::{instances};
-import package::variant::{MOTION};
+import package::variant::{INSTANCES, MOTION};
 
 // The instance as it is at `time`, in [0, 1] of the shutter's opening.
 fn instance_at(number: u32, time: f32) -> Instance {
+    if !INSTANCES {
+        return Instance(array(vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0), vec4(0.0, 0.0, 1.0, 0.0)), 0u, 0u, 0u, 0u);
+    }
     var instance = instances[number];
     let keys = (instance.flags >> INSTANCE_KEYS_SHIFT) & INSTANCE_KEYS_MASK;
     if !MOTION || keys == 0u {
@@ -39,17 +42,41 @@ fn determinant_sign(rows: array<vec4<f32>, 3>) -> f32 {
 
 // Rows times a point; the fourth column is the translation.
 fn transform_point(rows: array<vec4<f32>, 3>, p: vec3<f32>) -> vec3<f32> {
+    if !INSTANCES {
+        return p;
+    }
     let v = vec4<f32>(p, 1.0);
     return vec3<f32>(dot(rows[0], v), dot(rows[1], v), dot(rows[2], v));
 }
 
 // Rows times a direction.
 fn transform_vector(rows: array<vec4<f32>, 3>, v: vec3<f32>) -> vec3<f32> {
+    if !INSTANCES {
+        return v;
+    }
     return vec3<f32>(dot(rows[0].xyz, v), dot(rows[1].xyz, v), dot(rows[2].xyz, v));
 }
 
 fn transform_translation(rows: array<vec4<f32>, 3>) -> vec3<f32> {
     return vec3<f32>(rows[0].w, rows[1].w, rows[2].w);
+}
+
+// A normal of the object's in the world: the side is kept, the length is not.
+fn transform_normal(rows: array<vec4<f32>, 3>, n: vec3<f32>) -> vec3<f32> {
+    if !INSTANCES {
+        return n;
+    }
+    return normal_matrix(rows) * n;
+}
+
+// How far from the origin along the world's axes a point may be, whose coordinates in the object are as
+// large as `reach`.
+fn transform_reach(rows: array<vec4<f32>, 3>, reach: vec3<f32>) -> vec3<f32> {
+    if !INSTANCES {
+        return reach;
+    }
+    let v = vec4<f32>(reach, 1.0);
+    return vec3<f32>(dot(abs(rows[0]), v), dot(abs(rows[1]), v), dot(abs(rows[2]), v));
 }
 
 // For each column the power of two that brings its largest entry between 1 and 2, so that no product
@@ -93,6 +120,9 @@ fn vector_in_object(rows: array<vec4<f32>, 3>, N: mat3x3<f32>, v: vec3<f32>) -> 
 // D r. (The residual's own rounding is of the size of |M| reach, which the caller counts.) Where columns are
 // at right angles A and D are of the size of what they bound, whatever the scales, and this is nothing.
 fn inverse_error(rows: array<vec4<f32>, 3>, reach: vec3<f32>, ng: vec3<f32>, rounding: f32) -> f32 {
+    if !INSTANCES {
+        return 0.0;
+    }
     // The columns' scales, of M and of its inverse, cancel.
     let scale = column_scale(rows);
     let x = scale.x * vec3<f32>(rows[0].x, rows[1].x, rows[2].x);

@@ -134,7 +134,8 @@ pub struct Frame {
     pub has_alpha: u32,
     pub clamp: f32,
     pub has_thin_walls: u32,
-    pub reserved: [u32; 2],
+    pub mesh_root: u32,
+    pub reserved: u32,
 }
 
 /// Tables that reflection models look up. A uniform, from src/tables.rs.

@@ -101,6 +101,7 @@ fn structures_agree_field_by_field() {
                 has_alpha,
                 clamp,
                 has_thin_walls,
+                mesh_root,
                 reserved,
             }),
         ),

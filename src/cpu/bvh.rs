@@ -50,6 +50,21 @@ impl pulp::WithSimd for Trace<'_> {
 /// The nearest visible hit, or the first that is found. In a miss, `t` is the ray's `t_max`.
 #[inline(always)]
 pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
+    if packed.frame.mesh_root == 0 {
+        trace_levels::<true>(packed, ray, alpha_seed, any)
+    } else {
+        trace_levels::<false>(packed, ray, alpha_seed, any)
+    }
+}
+
+/// `INSTANCES`: there is more than one mesh that stands in the world as it is.
+// cpu only: the shader's constants are the pipeline's.
+fn trace_levels<const INSTANCES: bool>(
+    packed: &Packed,
+    ray: Ray,
+    alpha_seed: u32,
+    any: bool,
+) -> Hit {
     // Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
     // Wide BVHs", algorithm 1, for both levels in one loop. A group is the index of a first child and
     // a mask: inner children in bits 24 to 31 (bits 0 to 7 then tell which slots are inner ones), or
@@ -61,20 +76,25 @@ pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
         instance: NONE,
         triangle: NONE,
     };
-    if packed.frame.root == NONE {
+    if INSTANCES && packed.frame.root == NONE {
         return hit;
     }
     let mut stack = [UVec2::ZERO; STACK_SIZE];
     let mut stack_size = 0;
     // Stack size at which the mesh is done, while in one.
     let mut mesh_floor = None;
-    let mut instance = NONE;
+    // Also the only one, if there is but one.
+    let mut instance = 0;
     let mut first_triangle = 0;
     let mut local = local_ray(ray.origin, ray.direction);
-    let mut inner = UVec2::new(packed.frame.root, 0x8000_0000);
+    let mut inner = UVec2::new(packed.frame.mesh_root, 0x8000_0000);
+    if INSTANCES {
+        inner.x = packed.frame.root;
+    }
     loop {
         let mut leaves;
-        if inner.y > 0x00ff_ffff {
+        // Only the top level's primitives wait on the stack.
+        if !INSTANCES || inner.y > 0x00ff_ffff {
             let place = 31 - inner.y.leading_zeros();
             let slot = (place - 24) ^ local.octant;
             let child = inner.x + (inner.y & 0xff & !(u32::MAX << slot)).count_ones();
@@ -90,7 +110,7 @@ pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
             leaves = inner;
             inner = UVec2::ZERO;
         }
-        if mesh_floor.is_none() {
+        if INSTANCES && mesh_floor.is_none() {
             if leaves.y != 0 {
                 // Into an instance; what is left here waits on the stack.
                 let place = 31 - leaves.y.leading_zeros();
@@ -152,7 +172,7 @@ pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
             if stack_size == 0 {
                 return hit;
             }
-            if mesh_floor == Some(stack_size) {
+            if INSTANCES && mesh_floor == Some(stack_size) {
                 mesh_floor = None;
                 local = local_ray(ray.origin, ray.direction);
             }

@@ -5,7 +5,8 @@ use super::math::{Basis, basis_from_tangent, normalize_accurate, to_local, to_wo
 use super::ray::{Hit, Ray};
 use super::texture::texture_sample;
 use super::transform::{
-    PlacedInstance, instance_at, inverse_error, normal_matrix, transform_point, transform_vector,
+    PlacedInstance, instance_at, inverse_error, transform_normal, transform_point, transform_reach,
+    transform_vector,
 };
 use crate::pack::Packed;
 use crate::shared::{INSTANCE_FLIPPED, NONE, Texture, Triangle};
@@ -67,8 +68,7 @@ pub fn position_error(
     let size = |v: [f32; 3]| Vec3::from_array(v).as_dvec3().abs();
     let reach = size(triangle.p0) + size(triangle.e1) + size(triangle.e2);
     let rows = instance.world_from_object;
-    let placed = rows.map(|row| row.abs().dot(reach.extend(1.0)));
-    let extent = p.abs() + DVec3::from_array(placed);
+    let extent = p.abs() + transform_reach(rows, reach);
     let terms = ng.abs().dot(extent) + inverse_error(rows, reach, ng, SURFACE_ROUNDING);
     f64::from(packed.frame.ray_offset_floor).max(SURFACE_ROUNDING * terms)
 }
@@ -138,8 +138,10 @@ pub fn surface_at(packed: &Packed, ray: Ray, hit: Hit) -> Surface {
 
     // The front's shading normal. One that points behind its own face is taken for a mistake of
     // orientation; one of no length, as the geometric normal.
-    let mut n =
-        normalize_accurate(normal_matrix(rows) * attribute_normal(packed, triangle, barycentrics));
+    let mut n = normalize_accurate(transform_normal(
+        rows,
+        attribute_normal(packed, triangle, barycentrics),
+    ));
     if n == DVec3::ZERO {
         n = n_front;
     }

@@ -10,6 +10,9 @@ use glam::{DMat3, DVec3, DVec4, Vec4};
 /// Rows of a matrix, in float64 what `Instance` holds in float32.
 pub type Rows = [DVec4; 3];
 
+/// Of what stands in the world as it is.
+pub const IDENTITY: Rows = [DVec4::X, DVec4::Y, DVec4::Z];
+
 /// An instance at a moment.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedInstance {
@@ -81,6 +84,20 @@ pub fn transform_translation(rows: Rows) -> DVec3 {
     DVec3::new(rows[0].w, rows[1].w, rows[2].w)
 }
 
+/// A normal of the object's in the world: the side is kept, the length is not.
+pub fn transform_normal(rows: Rows, n: DVec3) -> DVec3 {
+    if rows == IDENTITY {
+        return n;
+    }
+    normal_matrix(rows) * n
+}
+
+/// How far from the origin along the world's axes a point may be, whose coordinates in the object are as
+/// large as `reach`.
+pub fn transform_reach(rows: Rows, reach: DVec3) -> DVec3 {
+    DVec3::from_array(rows.map(|row| row.abs().dot(reach.extend(1.0))))
+}
+
 /// The columns of the linear part.
 // cpu only: the shader scales them at once.
 pub fn columns(rows: Rows) -> [DVec3; 3] {
@@ -112,6 +129,9 @@ pub fn vector_in_object(_rows: Rows, N: DMat3, v: DVec3) -> DVec3 {
 /// largest absolute coordinates there. `rounding`: of a sum of products in float32, and the unit of the
 /// result. The derivation stands in the shader.
 pub fn inverse_error(rows: Rows, reach: DVec3, ng: DVec3, rounding: f64) -> f64 {
+    if rows == IDENTITY {
+        return 0.0;
+    }
     let columns = columns(rows);
     let (x, y, z) = (columns[0].abs(), columns[1].abs(), columns[2].abs());
     let minors = [cross_sums(y, z), cross_sums(z, x), cross_sums(x, y)];

@@ -118,6 +118,12 @@ impl Animation {
         })
     }
 
+    /// The nodes of which it changes anything.
+    pub fn driven_nodes(&self) -> impl Iterator<Item = usize> + '_ {
+        let channels = self.channels.iter();
+        channels.filter_map(|channel| Some(channel.node()?.0))
+    }
+
     /// The nodes whose weights differ between two times.
     pub fn morphed_nodes(&self, from: f64, to: f64) -> BTreeSet<usize> {
         let channels = self.channels.iter();

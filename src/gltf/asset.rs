@@ -145,6 +145,7 @@ impl Asset {
         self.taken = self.source.budget.used();
         let mut tracks = Tracks::default();
         let mut lights = None;
+        let mut driven = Vec::new();
         match moment {
             Moment::Rest => {
                 if !self.animations.is_empty() {
@@ -164,6 +165,7 @@ impl Asset {
                 }
                 for animation in &self.animations[chosen.clone()] {
                     animation.say_what_is_left_out(&mut notes);
+                    driven.extend(animation.driven_nodes());
                 }
                 self.pose(chosen, seconds);
             }
@@ -230,6 +232,7 @@ impl Asset {
             overrides: None,
         };
         let known = std::mem::take(&mut self.meshes);
+        let animated = nodes.below(driven).into_iter().collect();
         let mut placer = Placer {
             nodes: &nodes,
             accessors,
@@ -237,6 +240,7 @@ impl Asset {
             variant: self.variant,
             strokes: &strokes,
             tracks: &tracks,
+            animated: &animated,
             notes: &mut notes,
         };
         self.meshes = placer.place(&mut scene, known)?;

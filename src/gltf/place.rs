@@ -13,7 +13,7 @@ use super::stroke::Strokes;
 use super::variant;
 use crate::scene::{Instance, Mesh, Scene};
 use glam::{Affine3A, DAffine3, DMat4, Vec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// What a mesh's vertices follow from: its number, the weights of its morph targets and its joints'
@@ -47,6 +47,8 @@ pub struct Placer<'s, 'a, 'b> {
     pub variant: Option<usize>,
     pub strokes: &'s Strokes,
     pub tracks: &'s Tracks,
+    /// The nodes that are elsewhere at another moment of what plays.
+    pub animated: &'s HashSet<usize>,
     pub notes: &'s mut Notes,
 }
 
@@ -165,6 +167,7 @@ impl Placer<'_, '_, '_> {
             &json.at,
         )?;
         scene.instances.reserve(count);
+        let animated = self.is_animated(node)?;
         for copy in 0..count {
             let node_from_object = match &copies {
                 Some(copies) => copies.node_from_object(copy),
@@ -191,9 +194,26 @@ impl Placer<'_, '_, '_> {
                 node,
                 world_from_object,
                 motion,
+                animated,
             });
         }
         Ok(())
+    }
+
+    /// Whether the node, or a joint of its skin, is elsewhere at another moment.
+    fn is_animated(&self, node: usize) -> Result<bool, GltfError> {
+        if self.animated.contains(&node) {
+            return Ok(true);
+        }
+        let Some((_, skin)) = self.nodes.json[node].reference("skin", "skins")? else {
+            return Ok(false);
+        };
+        for joint in skin.elements("joints")? {
+            if self.animated.contains(&joint.follow("nodes")?.0) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// What the materials of a mesh's primitives ask of its vertices.

@@ -101,6 +101,7 @@ fn scene_constants(packed: &Packed, materials: &[&Material]) -> Constants {
                     .any(|light| light.kind == LIGHT_PROFILE),
             ),
         ),
+        ("INSTANCES", Value::Bool(packed.frame.mesh_root == 0)),
         ("MOTION", Value::Bool(packed.moves())),
         ("TEST_ALPHA", Value::Bool(packed.frame.has_alpha != 0)),
         ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),

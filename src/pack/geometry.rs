@@ -1,5 +1,7 @@
-//! Meshes and their instances to two levels of hierarchies and the arrays that these address.
+//! Meshes and their instances to two levels of hierarchies and the arrays that these address; what stands
+//! still is one of the meshes (`bake`).
 
+use super::bake::{self, KnownBake};
 use super::mesh::{self, PackedMesh};
 use super::{PackError, check_depth, check_extent, index};
 use crate::bvh::{self, Bounds};
@@ -7,7 +9,7 @@ use crate::scene::{self, Mesh, Scene};
 use crate::shared::{
     INSTANCE_FLIPPED, INSTANCE_KEYS_MASK, INSTANCE_KEYS_SHIFT, Instance, NONE, Triangle,
 };
-use glam::{DAffine3, DVec3, Vec3A};
+use glam::{Affine3A, DAffine3, DVec3, Vec3A};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -24,6 +26,8 @@ pub struct Geometry {
     pub ranges: Vec<Range<u32>>,
     /// `NONE`: there is nothing to hit.
     pub root: u32,
+    /// Of the one mesh that there is, if it stands in the world as it is; else 0, which is the top level's.
+    pub mesh_root: u32,
     /// Of all instances, in world space.
     pub bounds: Bounds,
 }
@@ -36,6 +40,7 @@ impl Geometry {
         instances: Vec::new(),
         ranges: Vec::new(),
         root: NONE,
+        mesh_root: 0,
         bounds: Bounds::EMPTY,
     };
 }
@@ -47,6 +52,7 @@ type MeshKey = (usize, Vec<u32>);
 #[derive(Default)]
 pub struct KnownMeshes {
     packed: HashMap<MeshKey, (Weak<Mesh>, Option<Arc<PackedMesh>>)>,
+    pub baked: Option<KnownBake>,
     /// How many of them the last scene brought.
     pub new: usize,
 }
@@ -55,12 +61,39 @@ pub struct KnownMeshes {
 /// over their instances. What is `known` is not packed again, and becomes what this scene needs.
 pub fn pack_geometry(
     scene: &Scene,
-    known: Option<&mut KnownMeshes>,
+    mut known: Option<&mut KnownMeshes>,
 ) -> Result<Geometry, PackError> {
-    let mut meshes = pack_meshes(scene, known)?;
+    if let Some(known) = &mut known {
+        known.new = 0;
+    }
+    let mut apart = vec![true; scene.instances.len()];
+    let chosen = bake::choose(scene);
+    let baked = bake::pack_baked(scene, &chosen, known.as_deref_mut());
+    if baked.is_some() {
+        chosen.iter().for_each(|&number| apart[number] = false);
+    }
+    let instances: Vec<&scene::Instance> = scene
+        .instances
+        .iter()
+        .zip(apart)
+        .filter_map(|(instance, apart)| apart.then_some(instance))
+        .collect();
+    let mut meshes = pack_meshes(scene, &instances, known)?;
+    let still = scene::Instance {
+        mesh: meshes.len(),
+        node: 0,
+        world_from_object: Affine3A::IDENTITY,
+        motion: Box::default(),
+        animated: false,
+    };
     let mut placed = Vec::new();
     let mut boxes = Vec::new();
-    for instance in &scene.instances {
+    if let Some(baked) = baked {
+        boxes.push(baked.bounds);
+        placed.push(&still);
+        meshes.push(Some(baked));
+    }
+    for instance in instances {
         let Some(mesh) = &meshes[instance.mesh] else {
             continue;
         };
@@ -129,16 +162,25 @@ pub fn pack_geometry(
         geometry.ranges.push(range);
     }
     geometry.instances.append(&mut further);
+    if let ([one], [instance]) = (&*placed, &*geometry.instances)
+        && bake::is_identity(one)
+    {
+        geometry.mesh_root = instance.root;
+    }
     Ok(geometry)
 }
 
 /// Where an instance is when the shutter opens and at its further keys.
 fn keys(instance: &scene::Instance) -> impl Iterator<Item = DAffine3> + '_ {
     let all = std::iter::once(&instance.world_from_object).chain(&instance.motion);
-    all.map(|key| DAffine3 {
-        matrix3: key.matrix3.as_dmat3(),
-        translation: key.translation.as_dvec3(),
-    })
+    all.map(to_f64)
+}
+
+pub fn to_f64(transform: &Affine3A) -> DAffine3 {
+    DAffine3 {
+        matrix3: transform.matrix3.as_dmat3(),
+        translation: transform.translation.as_dvec3(),
+    }
 }
 
 impl Geometry {
@@ -175,13 +217,14 @@ impl Geometry {
     }
 }
 
-/// Packs the meshes that some instance places, by the scene's numbers; others stay `None`.
+/// Packs the meshes that `instances` place, by the scene's numbers; others stay `None`.
 fn pack_meshes(
     scene: &Scene,
+    instances: &[&scene::Instance],
     known: Option<&mut KnownMeshes>,
 ) -> Result<Vec<Option<Arc<PackedMesh>>>, PackError> {
     let mut used = vec![false; scene.meshes.len()];
-    for instance in &scene.instances {
+    for instance in instances {
         used[instance.mesh] = true;
     }
     let key = |mesh: &Arc<Mesh>| {
@@ -214,7 +257,7 @@ fn pack_meshes(
         })
         .collect::<Result<Vec<_>, _>>()?;
     if let Some(known) = known {
-        known.new = new;
+        known.new += new;
         let rows = scene.meshes.iter().zip(&meshes).zip(used);
         known.packed = rows
             .filter(|(_, used)| *used)
@@ -226,7 +269,7 @@ fn pack_meshes(
 
 /// Whether a ray's way into the object's space, made in single precision, means anything: the columns
 /// are in float32's range, and their determinant is more than what rounding leaves of zero.
-fn is_invertible(transform: DAffine3) -> bool {
+pub fn is_invertible(transform: DAffine3) -> bool {
     let [x, y, z] = transform.matrix3.to_cols_array_2d().map(DVec3::from);
     let lengths = x.length() * y.length() * z.length();
     let in_range =
@@ -258,7 +301,7 @@ fn rows(transform: DAffine3) -> [[f32; 4]; 3] {
 ///
 /// Arvo 1990, "Transforming Axis-Aligned Bounding Boxes": per axis the sum of the smaller and of the
 /// larger products.
-fn transform_bounds(transform: DAffine3, bounds: Bounds) -> Bounds {
+pub fn transform_bounds(transform: DAffine3, bounds: Bounds) -> Bounds {
     let center = 0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3());
     let half = 0.5 * (bounds.max.as_dvec3() - bounds.min.as_dvec3());
     let reach: DVec3 = transform.matrix3.x_axis.abs() * half.x

@@ -1,5 +1,6 @@
 //! From a scene to the flat arrays that both renderers read: the fork in the data flow.
 
+pub mod bake;
 pub mod camera;
 pub mod environment;
 pub mod geometry;
@@ -150,7 +151,7 @@ impl Packer {
         pack_with(scene, view, Some(self))
     }
 
-    /// How many meshes and images the last picture brought.
+    /// How many meshes and images the last picture brought; what stands still is one mesh.
     pub fn new_parts(&self) -> [usize; 2] {
         [self.meshes.new, self.images.new]
     }
@@ -232,6 +233,7 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         light_count: lights_len,
         light_weight_total: weights.total,
         root: geometry.root,
+        mesh_root: geometry.mesh_root,
         ray_offset_floor: RAY_OFFSET_FLOOR * diagonal(geometry.bounds),
         has_alpha: u32::from(has_alpha),
         has_thin_walls: u32::from(has_thin_walls),

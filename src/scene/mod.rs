@@ -71,6 +71,8 @@ pub struct Instance {
     pub world_from_object: Affine3A,
     /// Where it is at further times, in equal steps until the shutter closes; none: it stands still.
     pub motion: Box<[Affine3A]>,
+    /// It may be elsewhere, or its mesh another one, in another picture of the same sequence.
+    pub animated: bool,
 }
 
 /// Pixels as decoded, row 0 on top, four channels.

@@ -168,6 +168,7 @@ pub fn instance(mesh: usize, world_from_object: Affine3A) -> Instance {
         world_from_object,
         motion: Box::default(),
         node: 0,
+        animated: false,
     }
 }
 
@@ -179,6 +180,14 @@ pub fn scene(meshes: Vec<Mesh>, instances: Vec<Instance>) -> Scene {
         materials: vec![material()],
         ..Scene::default()
     }
+}
+
+/// The same with two levels of hierarchies: nothing of it is baked.
+pub fn two_levels(mut scene: Scene) -> Scene {
+    for instance in &mut scene.instances {
+        instance.animated = true;
+    }
+    scene
 }
 
 pub fn view() -> View {
