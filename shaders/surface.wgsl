@@ -6,7 +6,8 @@ import package::math::{Basis, basis_from_tangent, normalize_accurate, to_local, 
 import package::ray::{Ray, Hit};
 import package::attributes::{attribute_normal, attribute_tangent, attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
-import package::transform::{instance_at, inverse_error, transform_normal, transform_point, transform_reach, transform_vector};
+import package::intersect::{largest_component};
+import package::transform::{cross_sums, instance_at, inverse_error, transform_height, transform_normal, transform_point, transform_reach, transform_vector};
 import package::variant::{NORMAL_TEXTURES, COAT_NORMALS};
 
 // In world space; `wo` is against the ray.
@@ -43,13 +44,27 @@ fn geometric_normal(triangle: Triangle, instance: Instance) -> vec3<f32> {
     return select(n, -n, (instance.flags & INSTANCE_FLIPPED) != 0u);
 }
 
+// How high over a point of the triangle a ray's origin may be that the triangle test takes for one on it, in
+// units of rounding: e2 . (tvec x e1) is the height times twice the area. Much where edges nearly coincide.
+fn sliver_error(triangle: Triangle, instance: Instance) -> f32 {
+    let a = abs(triangle.e1);
+    let b = abs(triangle.e2);
+    // At unit scale, as in geometric_normal.
+    let size1 = largest_component(a);
+    let size2 = largest_component(b);
+    let n = cross(triangle.e1 / size1, triangle.e2 / size2);
+    let height = dot(b / size2, cross_sums(max(a, b), a / size1)) / sqrt(dot(n, n));
+    return height * transform_height(instance.world_from_object, normalize_accurate(n));
+}
+
 // A bound on the error along `ng` of a point of the triangle, and of a ray's origin there once it is
 // taken into the object's space.
 fn position_error(triangle: Triangle, instance: Instance, p: vec3<f32>, ng: vec3<f32>) -> f32 {
     let reach = abs(triangle.p0) + abs(triangle.e1) + abs(triangle.e2);
     let rows = instance.world_from_object;
     let extent = abs(p) + transform_reach(rows, reach);
-    let terms = dot(abs(ng), extent) + inverse_error(rows, reach, ng, SURFACE_ROUNDING);
+    let terms = dot(abs(ng), extent) + inverse_error(rows, reach, ng, SURFACE_ROUNDING)
+        + sliver_error(triangle, instance);
     return max(frame.ray_offset_floor, SURFACE_ROUNDING * terms);
 }
 

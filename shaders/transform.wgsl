@@ -79,6 +79,16 @@ fn transform_reach(rows: array<vec4<f32>, 3>, reach: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(dot(abs(rows[0]), v), dot(abs(rows[1]), v), dot(abs(rows[2]), v));
 }
 
+// How much higher a height over a plane is in the world than in the object, where `n` is the plane's unit
+// normal; up to a factor of sqrt(3) more, for the sake of scales whose squares float32 does not hold.
+fn transform_height(rows: array<vec4<f32>, 3>, n: vec3<f32>) -> f32 {
+    if !INSTANCES {
+        return 1.0;
+    }
+    let height = abs(transform_normal(rows, n));
+    return 1.0 / max(height.x, max(height.y, height.z));
+}
+
 // For each column the power of two that brings its largest entry between 1 and 2, so that no product
 // of entries leaves float32's range whatever the scale along each of the object's axes.
 // shader only: float64 has the range.

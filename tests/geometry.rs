@@ -168,12 +168,16 @@ fn judge(scene: &Scene, rays: &[RayQuery], traced: &[Traced]) -> Verdict {
     }
 }
 
-/// Both renderers against every triangle, and against each other.
+/// Both renderers against every triangle and so against each other, with what stands still as one mesh and
+/// with all meshes by themselves.
 fn check(scene: &Scene, rays: &[RayQuery], least_hits: usize) {
-    let packed = shapes::packed(scene);
+    let baked = shapes::packed(scene);
+    let apart = shapes::packed(&shapes::two_levels(scene.clone()));
     for (name, traced) in [
-        ("kernels", trace_gpu(&packed, rays)),
-        ("reference", trace_cpu(&packed, rays)),
+        ("kernels", trace_gpu(&baked, rays)),
+        ("reference", trace_cpu(&baked, rays)),
+        ("kernels, two levels", trace_gpu(&apart, rays)),
+        ("reference, two levels", trace_cpu(&apart, rays)),
     ] {
         let verdict = judge(scene, rays, &traced);
         println!("{name}: {verdict:?}");
@@ -341,6 +345,7 @@ fn shared_edges_and_corners_do_not_leak() {
     ] {
         let scene = shapes::scene(vec![fine.clone()], vec![shapes::instance(0, transform)]);
         let packed = shapes::packed(&scene);
+        let apart = shapes::packed(&shapes::two_levels(scene));
         let center = transform.transform_point3(Vec3::ZERO);
         let rays: Vec<RayQuery> = (0..50_000)
             .map(|i| {
@@ -362,6 +367,8 @@ fn shared_edges_and_corners_do_not_leak() {
         for (name, traced) in [
             ("kernels", trace_gpu(&packed, &rays)),
             ("reference", trace_cpu(&packed, &rays)),
+            ("kernels, two levels", trace_gpu(&apart, &rays)),
+            ("reference, two levels", trace_cpu(&apart, &rays)),
         ] {
             let missed = traced.iter().filter(|hit| hit.instance == NONE).count();
             println!(

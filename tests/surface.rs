@@ -386,15 +386,19 @@ fn new_rays_leave_the_surface_at_every_scale() {
                 rotation,
                 size * 2.0 * random.cube(),
             );
-            let scene = shapes::scene(
-                vec![wall(0.0), wall(-gap), shapes::sphere(30, 0.8)],
+            let mut meshes = vec![wall(0.0), wall(-gap), shapes::sphere(30, 0.8)];
+            for mesh in &mut meshes[1..] {
+                mesh.primitives[0].material = 1;
+            }
+            let mut scene = shapes::scene(
+                meshes,
                 vec![
                     shapes::instance(0, transform),
                     shapes::instance(1, transform),
                     shapes::instance(2, transform),
                 ],
             );
-            let packed = shapes::packed(&scene);
+            scene.materials.push(shapes::material());
             let rays: Vec<_> = (0..1000)
                 .map(|_| {
                     let above = random.cube() * Vec3::new(3.0, 0.0, 3.0) + 2.0 * Vec3::Y;
@@ -403,39 +407,44 @@ fn new_rays_leave_the_surface_at_every_scale() {
                     towards(above, target)
                 })
                 .collect();
-            let first = surfaces_gpu(&packed, &rays);
-            let mut next = Vec::new();
-            for answer in first.iter().filter(|answer| answer.instance != NONE) {
-                let ng = Vec3::from_array(answer.ng);
-                let w = (ng + random.direction() * 0.999).normalize();
-                next.push((*answer, Vec3::from_array(answer.above), w));
-                next.push((*answer, Vec3::from_array(answer.below), -w));
-            }
-            let rays: Vec<_> = next
-                .iter()
-                .map(|&(_, p, w)| towards(p, p + w * size))
-                .collect();
-            let second = surfaces_gpu(&packed, &rays);
-            let (mut again, mut through, mut below_wall) = (0, 0, 0);
-            for ((from, _, w), to) in next.iter().zip(&second) {
-                again += usize::from((to.instance, to.triangle) == (from.instance, from.triangle));
-                // Downwards from the upper wall there is always the lower one (its borders apart).
-                let wall_above = packed.instances[from.instance as usize].first_triangle
-                    == packed.instances[first_wall(&packed)].first_triangle;
-                let downwards = w.dot(Vec3::from_array(from.ng)) < -0.5;
-                if wall_above && downwards && well_inside(transform, from.p) {
-                    below_wall += 1;
-                    let distance = (Vec3::from_array(to.p) - Vec3::from_array(from.p)).length();
-                    through += usize::from(to.instance == NONE || distance > 5.0 * gap * size);
+            for (levels, packed) in [
+                ("one level", shapes::packed(&scene)),
+                ("two levels", shapes::packed(&shapes::two_levels(scene))),
+            ] {
+                let first = surfaces_gpu(&packed, &rays);
+                let mut next = Vec::new();
+                for answer in first.iter().filter(|answer| answer.instance != NONE) {
+                    let ng = Vec3::from_array(answer.ng);
+                    let w = (ng + random.direction() * 0.999).normalize();
+                    next.push((*answer, Vec3::from_array(answer.above), w));
+                    next.push((*answer, Vec3::from_array(answer.below), -w));
                 }
+                let rays: Vec<_> = next
+                    .iter()
+                    .map(|&(_, p, w)| towards(p, p + w * size))
+                    .collect();
+                let second = surfaces_gpu(&packed, &rays);
+                let (mut again, mut through, mut below_wall) = (0, 0, 0);
+                for ((from, _, w), to) in next.iter().zip(&second) {
+                    again +=
+                        usize::from((to.instance, to.triangle) == (from.instance, from.triangle));
+                    // Downwards from the upper wall there is always the lower one (its borders apart).
+                    let wall_above = from.material == 0;
+                    let downwards = w.dot(Vec3::from_array(from.ng)) < -0.5;
+                    if wall_above && downwards && well_inside(transform, from.p) {
+                        below_wall += 1;
+                        let distance = (Vec3::from_array(to.p) - Vec3::from_array(from.p)).length();
+                        through += usize::from(to.instance == NONE || distance > 5.0 * gap * size);
+                    }
+                }
+                println!(
+                    "size {size}, {levels}: {} rays, {again} again, {through} of {below_wall} through",
+                    rays.len()
+                );
+                assert_eq!(again, 0, "size {size}, tilted {tilted}, {levels}");
+                assert_eq!(through, 0, "size {size}, tilted {tilted}, {levels}");
+                assert!(below_wall > 100);
             }
-            println!(
-                "size {size}: {} rays, {again} again, {through} of {below_wall} through",
-                rays.len()
-            );
-            assert_eq!(again, 0, "size {size}, tilted {tilted}");
-            assert_eq!(through, 0, "size {size}, tilted {tilted}");
-            assert!(below_wall > 100);
         }
     }
 }
@@ -545,7 +554,6 @@ fn new_rays_leave_surfaces_under_awkward_transforms() {
             vec![shapes::sphere(24, 1.0)],
             vec![shapes::instance(0, transform)],
         );
-        let packed = shapes::packed(&scene);
         let rays: Vec<_> = (0..3000)
             .map(|_| {
                 let out = random.direction();
@@ -553,36 +561,42 @@ fn new_rays_leave_surfaces_under_awkward_transforms() {
                 towards(from, transform.transform_point3(0.9 * random.direction()))
             })
             .collect();
-        let first = surfaces_gpu(&packed, &rays);
-        let (mut next, mut from) = (Vec::new(), Vec::new());
-        for answer in first.iter().filter(|answer| answer.instance != NONE) {
-            let ng = Vec3::from_array(answer.ng);
-            let w = (ng + random.direction() * 0.999).normalize();
-            let [above, below] = [answer.above, answer.below].map(Vec3::from_array);
-            next.extend([query(above, w), query(below, -w)]);
-            from.extend([(answer.triangle, true), (answer.triangle, false)]);
+        for (levels, packed) in [
+            ("one level", shapes::packed(&scene)),
+            ("two levels", shapes::packed(&shapes::two_levels(scene))),
+        ] {
+            let first = surfaces_gpu(&packed, &rays);
+            let (mut next, mut from) = (Vec::new(), Vec::new());
+            for answer in first.iter().filter(|answer| answer.instance != NONE) {
+                let ng = Vec3::from_array(answer.ng);
+                let w = (ng + random.direction() * 0.999).normalize();
+                let [above, below] = [answer.above, answer.below].map(Vec3::from_array);
+                next.extend([query(above, w), query(below, -w)]);
+                from.extend([(answer.triangle, true), (answer.triangle, false)]);
+            }
+            let second = surfaces_gpu(&packed, &next);
+            let (mut again, mut lost) = (0, 0);
+            for ((triangle, outwards), to) in from.iter().zip(&second) {
+                again +=
+                    usize::from(to.instance != NONE && (*outwards || to.triangle == *triangle));
+                lost += usize::from(to.instance == NONE && !outwards);
+            }
+            println!(
+                "{name}, {levels}: {} rays, {again} again, {lost} lost",
+                next.len()
+            );
+            assert!(next.len() > 2000, "{name}: {} rays", next.len());
+            assert_eq!(again, 0, "{name}, {levels}");
+            // A ray that starts within an offset of an edge may start outside. What is 1000 times as long as
+            // it is wide, along none of the object's axes, has a determinant of 1e-6 of its terms: there the
+            // offset is larger than the shape is wide.
+            let hopeless = name == "sheared 1 : 1000";
+            assert!(
+                hopeless || lost * 1000 <= next.len(),
+                "{name}, {levels}: {lost} lost"
+            );
         }
-        let second = surfaces_gpu(&packed, &next);
-        let (mut again, mut lost) = (0, 0);
-        for ((triangle, outwards), to) in from.iter().zip(&second) {
-            again += usize::from(to.instance != NONE && (*outwards || to.triangle == *triangle));
-            lost += usize::from(to.instance == NONE && !outwards);
-        }
-        println!("{name}: {} rays, {again} again, {lost} lost", next.len());
-        assert!(next.len() > 2000, "{name}: {} rays", next.len());
-        assert_eq!(again, 0, "{name}");
-        // A ray that starts within an offset of an edge may start outside. What is 1000 times as long as
-        // it is wide, along none of the object's axes, has a determinant of 1e-6 of its terms: there the
-        // offset is larger than the shape is wide.
-        let hopeless = name == "sheared 1 : 1000";
-        assert!(hopeless || lost * 1000 <= next.len(), "{name}: {lost} lost");
     }
-}
-
-/// The instance of the first mesh: its triangles come first.
-fn first_wall(packed: &Packed) -> usize {
-    let is_first = |instance: &snell::shared::Instance| instance.first_triangle == 0;
-    packed.instances.iter().position(is_first).unwrap()
 }
 
 fn well_inside(transform: Affine3A, p: [f32; 3]) -> bool {

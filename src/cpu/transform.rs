@@ -98,6 +98,15 @@ pub fn transform_reach(rows: Rows, reach: DVec3) -> DVec3 {
     DVec3::from_array(rows.map(|row| row.abs().dot(reach.extend(1.0))))
 }
 
+/// How much higher a height over a plane is in the world than in the object, where `n` is the plane's
+/// unit normal; up to a factor of sqrt(3) more, as in the shader.
+pub fn transform_height(rows: Rows, n: DVec3) -> f64 {
+    if rows == IDENTITY {
+        return 1.0;
+    }
+    transform_normal(rows, n).abs().max_element().recip()
+}
+
 /// The columns of the linear part.
 // cpu only: the shader scales them at once.
 pub fn columns(rows: Rows) -> [DVec3; 3] {

@@ -4,7 +4,7 @@ use super::PackError;
 use crate::bvh::{self, Bounds, Hierarchy};
 use crate::scene::{self, Mesh, Primitive};
 use crate::shared::{LAYOUT_COLOR, LAYOUT_TANGENT, LAYOUT_TEXCOORDS_SHIFT, Triangle};
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 
 /// Coordinates whose boxes' areas are still finite numbers, with room for the sums of the build.
 pub const MAX_COORDINATE: f32 = 1e15;
@@ -31,7 +31,8 @@ pub fn pack_mesh(
         let first_word = super::index("vertex attributes", vertices.len())?;
         layout.write(primitive, &mut vertices);
         super::index("vertex attributes", vertices.len())?;
-        for corners in &primitive.triangles {
+        for &corners in &primitive.triangles {
+            let corners = widest_first(corners, &primitive.positions);
             let [p0, p1, p2] = corners.map(|corner| primitive.positions[corner as usize]);
             let vertex = corners.map(|corner| first_word + corner * layout.words() as u32);
             triangles.push(Triangle {
@@ -63,6 +64,20 @@ pub fn pack_mesh(
         vertices,
         bounds,
     }))
+}
+
+/// The corners in the same sense of rotation from the one at the widest angle: products of the two edges
+/// there are rounded least against their area, which for slivers is a thousand times less.
+fn widest_first([a, b, c]: [u32; 3], positions: &[Vec3]) -> [u32; 3] {
+    let [p0, p1, p2] = [a, b, c].map(|corner| positions[corner as usize]);
+    let opposite = [p1.distance(p2), p2.distance(p0), p0.distance(p1)];
+    if opposite[0] >= opposite[1] && opposite[0] >= opposite[2] {
+        [a, b, c]
+    } else if opposite[1] >= opposite[2] {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
 }
 
 /// What a packed mesh takes from its materials, for each of its primitives.
