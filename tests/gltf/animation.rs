@@ -362,6 +362,12 @@ fn what_does_not_deform_is_the_same_mesh() {
         Arc::ptr_eq(&mesh(&a), &mesh(&b))
     };
     assert_eq!([0, 1, 2, 3].map(same), [true, false, true, true]);
+    // The last one's parent turns.
+    let animated = |scene: &snell::scene::Scene| [0, 1, 2, 3].map(|i| scene.instances[i].animated);
+    assert_eq!(animated(&a), [false, true, true, true]);
+    assert_eq!(animated(&b), animated(&a));
+    let rest = file.scene(&Moment::Rest).unwrap().scene;
+    assert_eq!(animated(&rest), [false; 4]);
     assert_ne!(
         a.instances[3].world_from_object,
         b.instances[3].world_from_object
