@@ -39,6 +39,7 @@ pub fn scene() -> Scene {
             node: meshes.len(),
             world_from_object: Affine3A::from_translation(at),
             motion: Box::default(),
+            animated: false,
         });
         meshes.push(Arc::new(Mesh {
             name: String::new(),
