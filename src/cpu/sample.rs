@@ -77,8 +77,11 @@ pub fn blackman_harris_density(s: f64) -> f64 {
 pub fn blackman_harris_tail(s: f64) -> f64 {
     // Cancels near the window's end, where float64 still has eleven digits; the shader has none and
     // sums a series there.
-    let sines = BLACKMAN_HARRIS_1 * (PI * s).sin() - BLACKMAN_HARRIS_2 * (2.0 * PI * s).sin() / 2.0
-        + BLACKMAN_HARRIS_3 * (3.0 * PI * s).sin() / 3.0;
+    // The sines of twice and three times the angle by those of the angle itself.
+    let (sin, cos) = (PI * s).sin_cos();
+    let sines = sin
+        * (BLACKMAN_HARRIS_1 - BLACKMAN_HARRIS_2 * cos
+            + BLACKMAN_HARRIS_3 * (1.0 - 4.0 / 3.0 * sin * sin));
     (BLACKMAN_HARRIS_0 * s - sines * INV_PI) / (2.0 * BLACKMAN_HARRIS_0)
 }
 
