@@ -59,6 +59,7 @@ pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
 
 /// `INSTANCES`: there is more than one mesh that stands in the world as it is.
 // cpu only: the shader's constants are the pipeline's.
+#[inline(always)]
 fn trace_levels<const INSTANCES: bool>(
     packed: &Packed,
     ray: Ray,

@@ -43,7 +43,7 @@ pub const MIN_COMPONENT: f64 = 1e-12;
 /// Boxes grow by this part of their distance from the ray's origin and of their node's size, which
 /// bounds the rounding of the test in float32; without it a ray along a face is lost between two
 /// boxes. 2^-21.
-pub const BOX_PADDING: f32 = 4.76837158203125e-7;
+pub const BOX_PADDING: f32 = 1.0 / 2_097_152.0;
 
 /// Triangles grow by this part of the distance to their first corner, which bounds the rounding of
 /// the edge tests in float32, so that rays do not slip through a shared edge. 2^-22.
