@@ -50,10 +50,10 @@ fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
             let slot = (place - 24u) ^ local.octant;
             let child = inner.x + countOneBits(inner.y & 0xffu & ~(0xffffffffu << slot));
             inner.y &= ~(1u << place);
-            if inner.y > 0x00ffffffu {
-                stack[stack_size] = inner;
-                stack_size += 1u;
-            }
+            // Stored in any case: a driver that stores lane by lane can foresee that, and not which lanes
+            // have something left.
+            stack[stack_size] = inner;
+            stack_size += select(0u, 1u, inner.y > 0x00ffffffu);
             let met = intersect_node(local, ray.t_min, hit.t, child);
             inner = met.inner;
             leaves = met.leaves;
@@ -66,14 +66,10 @@ fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
                 // Into an instance; what is left here waits on the stack.
                 let place = firstLeadingBit(leaves.y);
                 leaves.y &= ~(1u << place);
-                if inner.y > 0x00ffffffu {
-                    stack[stack_size] = inner;
-                    stack_size += 1u;
-                }
-                if leaves.y != 0u {
-                    stack[stack_size] = leaves;
-                    stack_size += 1u;
-                }
+                stack[stack_size] = inner;
+                stack_size += select(0u, 1u, inner.y > 0x00ffffffu);
+                stack[stack_size] = leaves;
+                stack_size += select(0u, 1u, leaves.y != 0u);
                 mesh_floor = stack_size;
                 instance = leaves.x + place;
                 let entered = instance_at(instance, ray.time);
@@ -85,8 +81,9 @@ fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
                 first_triangle = entered.first_triangle;
                 inner = vec2<u32>(entered.root, 0x80000000u);
             }
-        } else {
-            while leaves.y != 0u {
+        } else if leaves.y != 0u {
+            // Asked at the end: llvmpipe goes through a loop once more than any lane asks for.
+            loop {
                 let place = firstLeadingBit(leaves.y);
                 leaves.y &= ~(1u << place);
                 let index = first_triangle + leaves.x + place;
@@ -98,6 +95,9 @@ fn trace(ray: Ray, alpha_seed: u32, any: bool) -> Hit {
                             return hit;
                         }
                     }
+                }
+                if leaves.y == 0u {
+                    break;
                 }
             }
         }

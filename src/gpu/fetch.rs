@@ -120,6 +120,65 @@ pub fn fetch_from_textures(
     Ok(())
 }
 
+/// Makes storage textures of the float32 textures for which `components(name)` says of how many components
+/// their texels are, 2 or 4: a sampled texture's texel takes two to three times as long.
+pub fn load_as_storage(module: &mut Module, components: impl Fn(&str) -> Option<u32>) {
+    let mut changed = Vec::new();
+    for (handle, variable) in module.global_variables.iter() {
+        let TypeInner::Image {
+            class: ImageClass::Sampled { .. },
+            ..
+        } = module.types[variable.ty].inner
+        else {
+            continue;
+        };
+        let format = match variable.name.as_deref().and_then(&components) {
+            Some(2) => StorageFormat::Rg32Float,
+            Some(4) => StorageFormat::Rgba32Float,
+            _ => continue,
+        };
+        changed.push((handle, format));
+    }
+    for &(handle, format) in &changed {
+        let image = TypeInner::Image {
+            dim: ImageDimension::D2,
+            arrayed: false,
+            class: ImageClass::Storage {
+                format,
+                access: StorageAccess::LOAD,
+            },
+        };
+        let ty = type_of(module, image);
+        module.global_variables.get_mut(handle).ty = ty;
+    }
+    let functions = module.functions.iter_mut().map(|(_, function)| function);
+    let points = module
+        .entry_points
+        .iter_mut()
+        .map(|point| &mut point.function);
+    for function in functions.chain(points) {
+        let loads: Vec<_> = function
+            .expressions
+            .iter()
+            .filter_map(|(handle, expression)| match *expression {
+                Expression::ImageLoad { image, .. } => Some((handle, image)),
+                _ => None,
+            })
+            .collect();
+        for (handle, image) in loads {
+            let Expression::GlobalVariable(variable) = function.expressions[image] else {
+                continue;
+            };
+            if let Expression::ImageLoad { level, .. } = &mut function.expressions[handle]
+                && changed.iter().any(|&(one, _)| one == variable)
+            {
+                // They have one level.
+                *level = None;
+            }
+        }
+    }
+}
+
 fn is_read_only(variable: &GlobalVariable) -> bool {
     variable.space
         == AddressSpace::Storage {

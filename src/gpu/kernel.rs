@@ -1,9 +1,10 @@
 //! A linked shader as a compute pipeline, and its bind groups.
 
 use super::device::Gpu;
-use super::fetch::{FetchError, fetch_from_textures};
+use super::fetch::{FetchError, fetch_from_textures, load_as_storage};
 use super::link::{LinkError, Linked, ShaderError, Value, link};
 use super::prune::prune;
+use super::upload;
 use super::variant::Constants;
 use crate::pack::ARRAYS;
 use rayon::prelude::*;
@@ -73,6 +74,7 @@ impl Kernel {
         prune(&mut module, entry);
         if gpu.arrays_in_textures {
             fetch_from_textures(&mut module, |name| ARRAYS.contains(&name))?;
+            load_as_storage(&mut module, upload::components);
         }
         // Only what the entry point reaches is left.
         let mut used: BTreeMap<u32, Vec<u32>> = BTreeMap::new();

@@ -283,6 +283,15 @@ fn largest_array(gpu: &Gpu, what: &str) -> u64 {
     }
 }
 
+/// Components of a texel of the scene's float32 textures.
+pub fn components(what: &str) -> Option<u32> {
+    match what {
+        "environment" => Some(4),
+        "environment_cells" => Some(2),
+        _ => None,
+    }
+}
+
 /// Bytes of one texel of an array's texture, and its format: as `fetch_from_textures` has them.
 fn texel_of(what: &str) -> (u32, wgpu::TextureFormat) {
     match what {
@@ -378,7 +387,12 @@ fn texture(
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        usage: wgpu::TextureUsages::COPY_DST
+            | if gpu.arrays_in_textures {
+                wgpu::TextureUsages::STORAGE_BINDING
+            } else {
+                wgpu::TextureUsages::TEXTURE_BINDING
+            },
         view_formats: &[],
     });
     gpu.queue.write_texture(
