@@ -147,8 +147,8 @@ fn pixel_test(a: &Film, b: &Film, i: usize, c: usize) -> (f64, f64) {
     let (pa, pb) = (&a.pixels[i], &b.pixels[i]);
     let (ma, mb) = (pa.mean()[c], pb.mean()[c]);
     let (na, nb) = (f64::from(pa.samples), f64::from(pb.samples));
-    // What float32 cannot hold is zero on one side and not on the other.
-    let rounding = ROUNDING * ma.abs().max(mb.abs()) + f64::from(f32::MIN_POSITIVE);
+    // Below the root of what float32 can hold a sample's square is zero, and there is no variance to tell by.
+    let rounding = ROUNDING * ma.abs().max(mb.abs()) + f64::from(f32::MIN_POSITIVE).sqrt();
     if (ma - mb).abs() <= rounding || (na == 0.0 && nb == 0.0) {
         return (0.0, 1.0);
     }
