@@ -16,6 +16,7 @@ import statistics
 import struct
 import subprocess
 import sys
+import time
 import zlib
 from pathlib import Path
 
@@ -197,10 +198,30 @@ def render(arguments, path, light, size, spp, out, options=()):
     environment = dict(os.environ)
     if arguments.icd:
         environment.update(VK_ICD_FILENAMES=arguments.icd, VK_DRIVER_FILES=arguments.icd)
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    if done.returncode != 0:
-        return f"status {done.returncode}: {done.stderr.strip()}"
-    return json.loads(record.read_text())
+    start = time.perf_counter()
+    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    used = [(0.0, 0.0)]
+    while process.poll() is None:
+        if seconds := processor_seconds(process.pid):
+            used.append((time.perf_counter() - start, seconds))
+        time.sleep(0.02)
+    if process.returncode != 0:
+        return f"status {process.returncode}: {process.stderr.read().strip()}"
+    report = json.loads(record.read_text())
+    times = report["times_ms"]
+    before = sum(times.get(stage) or 0 for stage in ("load", "pack", "open_adapter", "upload", "compile")) / 1e3
+    ends = np.interp([before, before + times["render"] / 1e3], *zip(*used))
+    report["render_processor_s"] = float(ends[1] - ends[0])
+    return report
+
+
+def processor_seconds(pid):
+    """What a running process has used so far, by all its threads."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return None
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def scene(arguments, name, write, number):
@@ -232,20 +253,21 @@ def limits(arguments):
 
 
 def rays(arguments):
-    """Time of the whole render over its rays, the scene's only change being how fine its mesh is."""
-    counts = [2 * round(math.sqrt(10**k / 2)) ** 2 for k in range(2, 8)]
+    """Processor time of the whole render, shading included, over its rays; the scene's only change is how fine its
+    mesh is. Processor time, since other work on the machine spoils it least."""
+    counts = [2 * round(math.sqrt(10**k / 2)) ** 2 for k in range(2, arguments.most + 1)]
     series = {"adapter": [], "--cpu": ["--cpu"]}
     found = {name: {count: [] for count in counts} for name in series}
     for _ in range(arguments.rounds):
         for count in counts:
             path, light = scene(arguments, "land", write_land, count)
             for name, options in series.items():
-                report = render(arguments, path, light, "512x512", 4, arguments.folder / "land.png", options)
+                report = render(arguments, path, light, "512x512", arguments.spp, arguments.folder / "land.png", options)
                 if isinstance(report, str):
                     print(f"{count} triangles, {name}: {report}", file=sys.stderr)
                     continue
                 traced = report["rays"]["closest"] + report["rays"]["shadow"]
-                found[name][count].append(report["times_ms"]["render"] * 1e6 / traced)
+                found[name][count].append(report["render_processor_s"] * 1e9 / traced)
     medians = {
         name: [(count, statistics.median(times)) for count, times in rows.items() if times]
         for name, rows in found.items()
@@ -292,7 +314,7 @@ def chart(medians):
         text(x - 6, y + 4, f"{k * step:g}", "end")
     text((left + width - right) / 2, height - 10, "triangles")
     middle = (top + height - bottom) / 2
-    text(18, middle, "nanoseconds a ray", extra=f' transform="rotate(-90 18 {middle})"')
+    text(18, middle, "processor nanoseconds a ray", extra=f' transform="rotate(-90 18 {middle})"')
     for (name, rows), color in zip(medians.items(), ("#1b6ca8", "#c0561f")):
         slope, start = np.polyfit([math.log10(c) for c, _ in rows], [y for _, y in rows], 1)
         ends = [at(c, start + slope * math.log10(c)) for c in (rows[0][0], rows[-1][0])]
@@ -314,6 +336,8 @@ def main():
     parser.add_argument("--folder", type=Path, default=HERE.parent / "target" / "scale")
     parser.add_argument("--max-memory", default="16G")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--spp", type=int, default=4, help="of the pictures of `rays`")
+    parser.add_argument("--most", type=int, default=7, help="`rays` goes up to 10 to this many triangles")
     arguments = parser.parse_args()
     if unknown := set(arguments.cases) - set(CASES):
         parser.error(f"no case {', '.join(unknown)}; there are {', '.join(CASES)}")
