@@ -84,6 +84,7 @@ const LIGHT_DIRECTIONAL: u32 = 2u;
 const LIGHT_TRIANGLE: u32 = 3u;
 const LIGHT_ENVIRONMENT: u32 = 4u;
 const LIGHT_PROFILE: u32 = 5u;
+const LIGHT_CLUSTER: u32 = 6u; // all lights of the light tree (light/tree.wgsl)
 
 // `Camera.kind`
 const CAMERA_PERSPECTIVE: u32 = 0u;
@@ -155,7 +156,7 @@ struct Frame {
     sample_count: u32,         // samples a pixel in this dispatch
     seed: u32,
     max_depth: u32,            // surface interactions a path may have; 1 is direct light only
-    light_count: u32,
+    light_count: u32,          // entries of the table of lights to choose from; those in the light tree come behind
     light_weight_total: f32,   // sum of all lights' weights, the environment's included; 0: no lights
     root: u32,                 // node index of the top-level hierarchy's root, NONE: nothing to hit
     capacity: u32,             // path slots
@@ -164,7 +165,10 @@ struct Frame {
     clamp: f32,                // what the largest channel of a sample's radiance is limited to; 0: not
     has_thin_walls: u32,       // 1: shadow rays may pass some material
     mesh_root: u32,            // of the one mesh that there is, if it stands in the world as it is; else 0
-    reserved: u32,
+    light_tree: u32,           // first of its words in `texels`
+    light_tree_leaves: u32,    // a power of two, the number of the first leaf; 0: there is no light tree
+    reserved0: u32,
+    reserved1: vec2<u32>,
 }
 
 // Tables that reflection models look up. A uniform, from src/tables.rs.
@@ -285,7 +289,7 @@ struct Light {
     position: vec3<f32>,   // triangle: its first corner, world space
     kind: u32,
     direction: vec3<f32>,  // spot, profile, directional: where the light goes, unit length; triangle: edge 1
-    alias_index: u32,
+    alias_index: u32,      // in the light tree: the number of its leaf
     edge2: vec3<f32>,      // triangle: edge 2, world space; profile: where its azimuth is 0, unit length
     alias_threshold: f32,  // keep this entry where the remapped u is below it
     radiance: vec3<f32>,   // triangle: factor on the texture; point, spot: W/(sr m^2) m^2; directional: W/m^2;

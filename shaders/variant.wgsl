@@ -13,6 +13,7 @@ const SHADED_CLASS: u32 = 0u;
 const LENS: bool = true;                      // the camera has an aperture
 const PROFILES: bool = true;                  // some light is a lamp as measured
 const INSTANCES: bool = true;                 // there is more than one mesh that stands in the world as it is
+const LIGHT_TREE: bool = true;                // lights are chosen by a tree
 const MOTION: bool = true;                    // something moves while the shutter is open
 const TEST_ALPHA: bool = true;                // some material is masked or blended
 const MEDIA: bool = true;                     // some material is the boundary of a medium

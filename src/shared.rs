@@ -63,6 +63,7 @@ pub const LIGHT_DIRECTIONAL: u32 = 2;
 pub const LIGHT_TRIANGLE: u32 = 3;
 pub const LIGHT_ENVIRONMENT: u32 = 4;
 pub const LIGHT_PROFILE: u32 = 5;
+pub const LIGHT_CLUSTER: u32 = 6;
 pub const CAMERA_PERSPECTIVE: u32 = 0;
 pub const CAMERA_ORTHOGRAPHIC: u32 = 1;
 pub const CAMERA_PANORAMA: u32 = 2;
@@ -135,7 +136,10 @@ pub struct Frame {
     pub clamp: f32,
     pub has_thin_walls: u32,
     pub mesh_root: u32,
-    pub reserved: u32,
+    pub light_tree: u32,
+    pub light_tree_leaves: u32,
+    pub reserved0: u32,
+    pub reserved1: [u32; 2],
 }
 
 /// Tables that reflection models look up. A uniform, from src/tables.rs.

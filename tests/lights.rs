@@ -13,6 +13,7 @@ use glam::{DVec2, DVec3, DVec4, UVec2, Vec3};
 use snell::cpu::light::environment::*;
 use snell::cpu::light::light::*;
 use snell::cpu::light::punctual::{irradiance_punctual, range_attenuation, spot_attenuation};
+use snell::cpu::light::tree::light_share;
 use snell::cpu::rng::{next_1d, next_2d, rng_init};
 use snell::pack::Packed;
 use snell::pack::environment::build_environment;
@@ -489,7 +490,7 @@ fn lights_are_picked_by_weight() {
         for _ in 0..draws {
             let (u_pick, x, y) = (uniform.unit(), uniform.unit(), uniform.unit());
             let u = DVec2::new(x.into(), y.into());
-            observed[light_pick(&packed, u_pick.into(), u) as usize] += 1.0;
+            observed[light_pick(&packed, u_pick.into(), u).index as usize] += 1.0;
         }
         let total = f64::from(packed.frame.light_weight_total);
         let expected: Vec<_> = (packed.lights.iter())
@@ -570,7 +571,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let u = queries[id.x][1].xy;
     let s = light_sample(p, u_pick, u, 0.0);
     answers[id.x] = array<vec4<f32>, 3>(vec4(s.wi, s.distance), vec4(s.Le, s.pdf),
-        vec4(bitcast<f32>(s.delta), bitcast<f32>(light_pick(u_pick, u)),
+        vec4(bitcast<f32>(s.delta), bitcast<f32>(light_pick(u_pick, u).index),
             light_pdf_environment(s.wi), 0.0));
 }";
     let bytes = bytemuck::cast_slice(queries);
@@ -610,7 +611,7 @@ fn light_samples_agree_with_float64() {
     for (q, answer) in queries.iter().zip(&answers) {
         let p = Vec3::new(q[0], q[1], q[2]).as_dvec3();
         let u = DVec2::new(q[4].into(), q[5].into());
-        let pick = light_pick(&packed, q[3].into(), u);
+        let pick = light_pick(&packed, q[3].into(), u).index;
         assert_eq!(answer.pick, pick, "at {q:?}");
         seen[pick as usize] += 1;
         let s = light_sample(&packed, p, q[3].into(), u, 0.0);
@@ -624,7 +625,8 @@ fn light_samples_agree_with_float64() {
             s.wi.x.hypot(s.wi.z)
         } else if kind == LIGHT_TRIANGLE && s.pdf > 0.0 {
             let weight = packed.materials[pick as usize - 4].emission_weight;
-            light_pdf_triangle(&packed, weight.into(), s.distance, 1.0) / s.pdf
+            let share = light_share(&packed, p, 0, 0);
+            light_pdf_triangle(share, weight.into(), s.distance, 1.0) / s.pdf
         } else {
             1.0
         };
@@ -662,7 +664,7 @@ fn a_samples_pdf_is_what_the_density_functions_say() {
         let p = uniform.direction().as_dvec3() * 0.4;
         let (u_pick, x, y) = (uniform.unit(), uniform.unit(), uniform.unit());
         let u = DVec2::new(x.into(), y.into());
-        let light = &packed.lights[light_pick(&packed, u_pick.into(), u) as usize];
+        let light = &packed.lights[light_pick(&packed, u_pick.into(), u).index as usize];
         let s = light_sample(&packed, p, u_pick.into(), u, 0.0);
         let share = f64::from(light.weight) / f64::from(packed.frame.light_weight_total);
         let expected = match light.kind {
@@ -694,7 +696,8 @@ fn a_samples_pdf_is_what_the_density_functions_say() {
                     "{} {by_area}",
                     s.pdf
                 );
-                light_pdf_triangle(&packed, material.emission_weight.into(), distance, cosine)
+                let share = light_share(&packed, p, light.instance, light.triangle);
+                light_pdf_triangle(share, material.emission_weight.into(), distance, cosine)
             }
             _ => share,
         };

@@ -11,6 +11,7 @@ import package::rng::{next_1d, next_2d};
 import package::surface::{Surface, surface_at};
 import package::material::{bsdf_at, Le_surface};
 import package::light::light::{LightSample, light_sample, light_pdf_triangle};
+import package::light::tree::{light_share};
 import package::bsdf::bsdf::{bsdf_eval, bsdf_sample, bsdf_is_delta};
 import package::bsdf::lobe::{DELTA_STRAIGHT};
 import package::medium::{interface_at, media_ior, media_near, media_far, transmittance};
@@ -42,7 +43,9 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         if !path.delta {
             let cos_light = abs(dot(surface.ng, path.ray.direction));
             weight = power_heuristic(
-                path.pdf_bsdf, light_pdf_triangle(material.emission_weight, hit.t, cos_light));
+                path.pdf_bsdf,
+                light_pdf_triangle(
+                    light_share(path.ray.origin, hit.instance, hit.triangle), material.emission_weight, hit.t, cos_light));
         }
         add_radiance(slot, path.beta * Le * weight);
     }

@@ -1,11 +1,13 @@
 // The choice of a light and of a point on it, for next-event estimation.
 
-import package::shared::{LIGHT_TRIANGLE, LIGHT_ENVIRONMENT, LIGHT_DIRECTIONAL};
+import package::shared::{LIGHT_TRIANGLE, LIGHT_ENVIRONMENT, LIGHT_DIRECTIONAL, LIGHT_CLUSTER};
+import package::variant::{LIGHT_TREE};
 import package::rng::{hash_combine};
 import package::math::{normalize_accurate};
 import package::sample::{sample_triangle};
 import package::light::environment::{Le_environment, environment_sample, environment_pdf};
 import package::light::punctual::{irradiance_punctual};
+import package::light::tree::{tree_pick};
 import package::light::triangle::{light_at, light_normal, Le_triangle, cos_emission};
 import package::bindings::{frame, lights, triangles, materials};
 
@@ -28,29 +30,37 @@ fn multiply_high(a: u32, b: u32) -> u32 {
     return (a >> 16u) * (b >> 16u) + (middle1 >> 16u) + (middle2 >> 16u);
 }
 
-// Index of a light, with probability weight / light_weight_total: the alias method (Walker 1977,
+// A choice from a table, and what is left of the uniform number that made it: uniform again.
+struct LightPick {
+    index: u32,
+    rest: f32,
+}
+
+// Index of an entry of the table, with probability weight / light_weight_total: the alias method (Walker 1977,
 // "An efficient method for generating discrete random variables with general distributions").
 // The 24 bits of u_pick are too few to choose among many lights and then compare with a
 // threshold, so eight more come from a hash of all three numbers.
-fn light_pick(u_pick: f32, u: vec2<f32>) -> u32 {
+fn light_pick(u_pick: f32, u: vec2<f32>) -> LightPick {
     let pick = u32(u_pick * 0x1p24f);
     let hash = hash_combine(hash_combine(pick, u32(u.x * 0x1p24f)), u32(u.y * 0x1p24f));
     let word = (pick << 8u) | (hash >> 24u);
     let index = multiply_high(word, frame.light_count);
     let fraction = f32((word * frame.light_count) >> 8u) * 0x1p-24f;
-    if fraction < lights[index].alias_threshold {
-        return index;
+    let threshold = lights[index].alias_threshold;
+    if fraction < threshold {
+        return LightPick(index, fraction / threshold);
     }
-    return lights[index].alias_index;
+    return LightPick(lights[index].alias_index, (fraction - threshold) / (1.0 - threshold));
 }
 
 // Density per solid angle, choice included, with which light_sample meets a point of a triangle
-// whose material has this `emission_weight`, `distance` metres away at cosine `cos_light`.
-fn light_pdf_triangle(emission_weight: f32, distance: f32, cos_light: f32) -> f32 {
-    if cos_light <= 0.0 || frame.light_weight_total <= 0.0 {
+// whose material has this `emission_weight`, `distance` metres away at cosine `cos_light`, where lights
+// are chosen with the probability `share` per unit of weight.
+fn light_pdf_triangle(share: f32, emission_weight: f32, distance: f32, cos_light: f32) -> f32 {
+    if cos_light <= 0.0 {
         return 0.0;
     }
-    return emission_weight / frame.light_weight_total * distance * distance / cos_light;
+    return emission_weight * share * distance * distance / cos_light;
 }
 
 // A direction from p to where a light is at `time`, not yet tested for what stands between.
@@ -59,20 +69,31 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
     if frame.light_count == 0u || frame.light_weight_total <= 0.0 {
         return result;
     }
-    var light = lights[light_pick(u_pick, u)];
+    let pick = light_pick(u_pick, u);
+    var light = lights[pick.index];
+    var share = 1.0 / frame.light_weight_total;
+    if LIGHT_TREE && light.kind == LIGHT_CLUSTER {
+        let leaf = tree_pick(p, pick.rest, u32(u.x * 0x1p24f));
+        if leaf.p <= 0.0 {
+            return result;
+        }
+        share *= light.weight * leaf.p;
+        light = lights[leaf.index];
+        share /= light.weight;
+    }
     if light.kind == LIGHT_ENVIRONMENT {
         let direction_pdf = environment_sample(u);
         result.wi = direction_pdf.xyz;
         result.distance = LIGHT_DISTANCE_INFINITE;
         result.Le = Le_environment(result.wi);
-        result.pdf = direction_pdf.w * (light.weight / frame.light_weight_total);
+        result.pdf = direction_pdf.w * (light.weight * share);
         return result;
     }
     if light.kind == LIGHT_DIRECTIONAL {
         result.wi = -light.direction;
         result.distance = LIGHT_DISTANCE_INFINITE;
         result.Le = light.radiance;
-        result.pdf = light.weight / frame.light_weight_total;
+        result.pdf = light.weight * share;
         result.delta = 1u;
         return result;
     }
@@ -94,14 +115,14 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
     if light.kind == LIGHT_TRIANGLE {
         let cos_light = cos_emission(light, -dot(result.wi, light_normal(light, time)));
         let emission_weight = materials[triangles[light.triangle].material].emission_weight;
-        result.pdf = light_pdf_triangle(emission_weight, distance, cos_light);
+        result.pdf = light_pdf_triangle(share, emission_weight, distance, cos_light);
         if result.pdf > 0.0 {
             result.Le = Le_triangle(light, barycentrics);
         }
         return result;
     }
     result.Le = irradiance_punctual(light, result.wi, distance);
-    result.pdf = light.weight / frame.light_weight_total;
+    result.pdf = light.weight * share;
     result.delta = 1u;
     return result;
 }

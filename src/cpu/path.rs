@@ -8,6 +8,7 @@ use super::camera::{camera_at, camera_ray};
 use super::estimator::*;
 use super::light::environment::Le_environment;
 use super::light::light::{light_pdf_environment, light_pdf_triangle, light_sample};
+use super::light::tree::light_share;
 use super::material::{Le_surface, bsdf_at};
 use super::math::{to_local, to_world};
 use super::medium::{MEDIA_NONE, interface_at, media_far, media_ior, media_near, transmittance};
@@ -67,7 +68,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
                 false => power_heuristic(
                     pdf_bsdf,
                     light_pdf_triangle(
-                        packed,
+                        light_share(packed, ray.origin, hit.instance, hit.triangle),
                         f64::from(material.emission_weight),
                         hit.t,
                         cos_light,

@@ -54,6 +54,7 @@ pub const MODULES: &[Module] = modules![
     "light/environment",
     "light/light",
     "light/punctual",
+    "light/tree",
     "light/triangle",
     "material",
     "math",

@@ -102,6 +102,10 @@ fn scene_constants(packed: &Packed, materials: &[&Material]) -> Constants {
             ),
         ),
         ("INSTANCES", Value::Bool(packed.frame.mesh_root == 0)),
+        (
+            "LIGHT_TREE",
+            Value::Bool(packed.frame.light_tree_leaves != 0),
+        ),
         ("MOTION", Value::Bool(packed.moves())),
         ("TEST_ALPHA", Value::Bool(packed.frame.has_alpha != 0)),
         ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),

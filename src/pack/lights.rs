@@ -152,7 +152,8 @@ pub fn build_lights(lights: &mut [Light], scene_radius: f32) -> LightWeights {
     }
 }
 
-fn is_infinite(light: &Light) -> bool {
+/// Whether it has no place.
+pub fn is_infinite(light: &Light) -> bool {
     light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT
 }
 

@@ -4,6 +4,7 @@ pub mod bake;
 pub mod camera;
 pub mod environment;
 pub mod geometry;
+pub mod light_tree;
 pub mod lights;
 pub mod material;
 pub mod mesh;
@@ -202,8 +203,9 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         &profiles,
         environment.as_ref(),
     );
-    let lights_len = index("lights", lights.len())?;
-    let weights = lights::build_lights(&mut lights, 0.5 * diagonal(geometry.bounds));
+    let radius = 0.5 * diagonal(geometry.bounds);
+    let weights = lights::build_lights(&mut lights, radius);
+    let light_tree = light_tree::build_light_tree(&mut lights, &mut textures.texels, radius)?;
     let any_triangle = |flags: u32| {
         geometry
             .triangles
@@ -230,13 +232,15 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         sample_count: 1,
         seed: view.seed,
         max_depth: view.max_depth,
-        light_count: lights_len,
+        light_count: light_tree.light_count,
         light_weight_total: weights.total,
         root: geometry.root,
         mesh_root: geometry.mesh_root,
         ray_offset_floor: RAY_OFFSET_FLOOR * diagonal(geometry.bounds),
         has_alpha: u32::from(has_alpha),
         has_thin_walls: u32::from(has_thin_walls),
+        light_tree: light_tree.first_word,
+        light_tree_leaves: light_tree.leaves,
         clamp: view.clamp.unwrap_or(0.0),
         ..Frame::zeroed()
     };

@@ -2,12 +2,13 @@
 
 use crate::cpu::light::environment::{Le_environment, environment_pdf, environment_sample};
 use crate::cpu::light::punctual::irradiance_punctual;
+use crate::cpu::light::tree::tree_pick;
 use crate::cpu::light::triangle::{Le_triangle, cos_emission, light_at, light_normal};
 use crate::cpu::math::normalize_accurate;
-use crate::cpu::rng::hash_combine;
+use crate::cpu::rng::{hash_combine, unit_from_bits};
 use crate::cpu::sample::sample_triangle;
 use crate::pack::Packed;
-use crate::shared::{LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_TRIANGLE};
+use crate::shared::{LIGHT_CLUSTER, LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_TRIANGLE};
 use glam::{DVec2, DVec3, Vec3};
 
 /// How far a light without a place is, metres: beyond every scene, and its square is finite.
@@ -32,36 +33,46 @@ pub fn multiply_high(a: u32, b: u32) -> u32 {
     ((u64::from(a) * u64::from(b)) >> 32) as u32
 }
 
-/// Index of a light, with probability weight / light_weight_total: the alias method (Walker 1977,
+/// A choice from a table, and what is left of the uniform number that made it: uniform again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightPick {
+    pub index: u32,
+    pub rest: f64,
+}
+
+/// Index of an entry of the table, with probability weight / light_weight_total: the alias method (Walker 1977,
 /// "An efficient method for generating discrete random variables with general distributions").
 /// The 24 bits of `u_pick` are too few to choose among many lights and then compare with a
 /// threshold, so eight more come from a hash of all three numbers.
-pub fn light_pick(packed: &Packed, u_pick: f64, u: DVec2) -> u32 {
+pub fn light_pick(packed: &Packed, u_pick: f64, u: DVec2) -> LightPick {
     let bits = |u: f64| (u * f64::from(1u32 << 24)) as u32;
     let pick = bits(u_pick);
     let hash = hash_combine(hash_combine(pick, bits(u.x)), bits(u.y));
     let word = (pick << 8) | (hash >> 24);
     let index = multiply_high(word, packed.frame.light_count);
-    let fraction = f64::from(word.wrapping_mul(packed.frame.light_count) >> 8);
+    let fraction = unit_from_bits(word.wrapping_mul(packed.frame.light_count));
     let light = &packed.lights[index as usize];
-    if fraction / f64::from(1u32 << 24) < f64::from(light.alias_threshold) {
-        return index;
+    let threshold = f64::from(light.alias_threshold);
+    if fraction < threshold {
+        return LightPick {
+            index,
+            rest: fraction / threshold,
+        };
     }
-    light.alias_index
+    LightPick {
+        index: light.alias_index,
+        rest: (fraction - threshold) / (1.0 - threshold),
+    }
 }
 
 /// Density per solid angle, choice included, with which `light_sample` meets a point of a triangle
-/// whose material has this `emission_weight`, `distance` metres away at cosine `cos_light`.
-pub fn light_pdf_triangle(
-    packed: &Packed,
-    emission_weight: f64,
-    distance: f64,
-    cos_light: f64,
-) -> f64 {
-    if cos_light <= 0.0 || packed.frame.light_weight_total <= 0.0 {
+/// whose material has this `emission_weight`, `distance` metres away at cosine `cos_light`, where lights
+/// are chosen with the probability `share` per unit of weight.
+pub fn light_pdf_triangle(share: f64, emission_weight: f64, distance: f64, cos_light: f64) -> f64 {
+    if cos_light <= 0.0 {
         return 0.0;
     }
-    emission_weight / f64::from(packed.frame.light_weight_total) * distance * distance / cos_light
+    emission_weight * share * distance * distance / cos_light
 }
 
 /// A direction from p to where a light is at `time`, not yet tested for what stands between.
@@ -77,20 +88,31 @@ pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2, time: f64)
     if packed.frame.light_count == 0 || total <= 0.0 {
         return result;
     }
-    let light = &packed.lights[light_pick(packed, u_pick, u) as usize];
+    let pick = light_pick(packed, u_pick, u);
+    let mut light = &packed.lights[pick.index as usize];
+    let mut share = 1.0 / total;
+    if light.kind == LIGHT_CLUSTER {
+        let leaf = tree_pick(packed, p, pick.rest, (u.x * f64::from(1u32 << 24)) as u32);
+        if leaf.p <= 0.0 {
+            return result;
+        }
+        share *= f64::from(light.weight) * leaf.p;
+        light = &packed.lights[leaf.index as usize];
+        share /= f64::from(light.weight);
+    }
     if light.kind == LIGHT_ENVIRONMENT {
         let direction_pdf = environment_sample(packed, u);
         result.wi = direction_pdf.truncate();
         result.distance = LIGHT_DISTANCE_INFINITE;
         result.Le = Le_environment(packed, result.wi);
-        result.pdf = direction_pdf.w * (f64::from(light.weight) / total);
+        result.pdf = direction_pdf.w * (f64::from(light.weight) * share);
         return result;
     }
     if light.kind == LIGHT_DIRECTIONAL {
         result.wi = -Vec3::from(light.direction).as_dvec3();
         result.distance = LIGHT_DISTANCE_INFINITE;
         result.Le = Vec3::from(light.radiance).as_dvec3();
-        result.pdf = f64::from(light.weight) / total;
+        result.pdf = f64::from(light.weight) * share;
         result.delta = 1;
         return result;
     }
@@ -117,14 +139,14 @@ pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2, time: f64)
         );
         let material = packed.triangles[light.triangle as usize].material;
         let emission_weight = f64::from(packed.materials[material as usize].emission_weight);
-        result.pdf = light_pdf_triangle(packed, emission_weight, distance, cos_light);
+        result.pdf = light_pdf_triangle(share, emission_weight, distance, cos_light);
         if result.pdf > 0.0 {
             result.Le = Le_triangle(packed, light, barycentrics);
         }
         return result;
     }
     result.Le = irradiance_punctual(packed, light, result.wi, distance);
-    result.pdf = f64::from(light.weight) / total;
+    result.pdf = f64::from(light.weight) * share;
     result.delta = 1;
     result
 }

@@ -7,4 +7,5 @@ pub mod environment;
 )]
 pub mod light;
 pub mod punctual;
+pub mod tree;
 pub mod triangle;
