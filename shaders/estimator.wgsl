@@ -16,9 +16,12 @@ const DIMENSION_ROULETTE: u32 = 4u;
 const DIMENSION_WAVELENGTH: u32 = 5u;
 
 // Bounces that no path is ended in by chance.
-const ROULETTE_START: u32 = 3u;
+const ROULETTE_START: u32 = 1u;
+// Paths end where their throughput is below the inverse of this: chosen with the two others for the least
+// error in equal time (benches/RESULTS.md).
+const ROULETTE_SCALE: f32 = 2.0;
 // No path is sure to survive, so that light caught between perfect mirrors ends too.
-const ROULETTE_MAX: f32 = 0.95;
+const ROULETTE_MAX: f32 = 0.99;
 
 // A shadow ray ends this fraction before its light, so that it does not meet the light itself.
 const SHADOW_SHORTENING: f32 = 1e-4;
@@ -38,7 +41,7 @@ fn power_heuristic(pdf: f32, other: f32) -> f32 {
 // radiance carries inside a medium and will give back on leaving it.
 fn roulette_probability(beta: vec3<f32>, eta_scale: f32) -> f32 {
     let size = abs(beta);
-    return min(max(size.x, max(size.y, size.z)) * eta_scale, ROULETTE_MAX);
+    return min(ROULETTE_SCALE * max(size.x, max(size.y, size.z)) * eta_scale, ROULETTE_MAX);
 }
 
 fn bounce_dimension(bounce: u32, draw: u32) -> u32 {

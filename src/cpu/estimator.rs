@@ -13,8 +13,9 @@ pub const DIMENSION_BSDF: u32 = 2;
 pub const DIMENSION_ROULETTE: u32 = 4;
 pub const DIMENSION_WAVELENGTH: u32 = 5;
 
-pub const ROULETTE_START: u32 = 3;
-pub const ROULETTE_MAX: f64 = 0.95;
+pub const ROULETTE_START: u32 = 1;
+pub const ROULETTE_SCALE: f64 = 2.0;
+pub const ROULETTE_MAX: f64 = 0.99;
 
 pub const SHADOW_SHORTENING: f64 = 1e-4;
 
@@ -31,7 +32,7 @@ pub fn power_heuristic(pdf: f64, other: f64) -> f64 {
 /// Probability of going on with throughput `beta`; `eta_scale` takes out the factor eta^2 that
 /// radiance carries inside a medium.
 pub fn roulette_probability(beta: DVec3, eta_scale: f64) -> f64 {
-    (beta.abs().max_element() * eta_scale).min(ROULETTE_MAX)
+    (ROULETTE_SCALE * beta.abs().max_element() * eta_scale).min(ROULETTE_MAX)
 }
 
 pub fn bounce_dimension(bounce: u32, draw: u32) -> u32 {
