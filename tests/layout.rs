@@ -102,7 +102,10 @@ fn structures_agree_field_by_field() {
                 clamp,
                 has_thin_walls,
                 mesh_root,
-                reserved,
+                light_tree,
+                light_tree_leaves,
+                reserved0,
+                reserved1,
             }),
         ),
         (
