@@ -20,8 +20,9 @@ const ROULETTE_START: u32 = 1u;
 // Paths end where their throughput is below the inverse of this: chosen with the two others for the least
 // error in equal time (benches/RESULTS.md).
 const ROULETTE_SCALE: f32 = 2.0;
-// No path is sure to survive, so that light caught between perfect mirrors ends too.
-const ROULETTE_MAX: f32 = 0.99;
+// A path that has lost little goes on for sure, lest what is seen in a mirror or through glass be noisy for
+// nothing: `max_depth` ends light that is caught between mirrors.
+const ROULETTE_MAX: f32 = 1.0;
 
 // A shadow ray ends this fraction before its light, so that it does not meet the light itself.
 const SHADOW_SHORTENING: f32 = 1e-4;

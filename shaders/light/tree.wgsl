@@ -106,7 +106,7 @@ fn light_share(p: vec3<f32>, instance: u32, triangle: u32) -> f32 {
     if frame.light_weight_total <= 0.0 {
         return 0.0;
     }
-    if !LIGHT_TREE {
+    if !LIGHT_TREE || frame.light_tree_leaves == 0u {
         return 1.0 / frame.light_weight_total;
     }
     let index = light_of_triangle(instance, triangle);

@@ -15,7 +15,7 @@ pub const DIMENSION_WAVELENGTH: u32 = 5;
 
 pub const ROULETTE_START: u32 = 1;
 pub const ROULETTE_SCALE: f64 = 2.0;
-pub const ROULETTE_MAX: f64 = 0.99;
+pub const ROULETTE_MAX: f64 = 1.0;
 
 pub const SHADOW_SHORTENING: f64 = 1e-4;
 
