@@ -3,9 +3,11 @@
 
 mod common;
 
+use snell::gpu::fetch::fetch_from_textures;
 use snell::gpu::link::Value;
 use snell::gpu::prune::prune;
 use snell::gpu::{link, shaders};
+use snell::pack::ARRAYS;
 use std::path::Path;
 
 fn files(folder: &Path, prefix: &str, found: &mut Vec<String>) {
@@ -173,4 +175,21 @@ fn heavy(x: u32) -> u32 { return b[x]; }
     };
     assert_eq!(pruned(true), (2, 2));
     assert_eq!(pruned(false), (0, 1));
+}
+
+/// Drivers keep what they compiled under the bits of a shader: another order of its types, and every process
+/// compiles anew.
+#[test]
+fn a_kernel_that_fetches_comes_out_the_same_each_time() {
+    let (module, _) = link::link("kernels/shade").unwrap().validate().unwrap();
+    let prepared = || {
+        let mut module = module.clone();
+        prune(&mut module, "shade_kernel");
+        fetch_from_textures(&mut module, |name| ARRAYS.contains(&name)).unwrap();
+        format!("{module:?}")
+    };
+    let first = prepared();
+    for _ in 0..8 {
+        assert!(prepared() == first, "two orders of one shader");
+    }
 }

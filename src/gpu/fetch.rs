@@ -11,7 +11,7 @@ use naga::{
     FunctionResult, GlobalVariable, Handle, ImageClass, ImageDimension, Literal, Module, Range,
     ScalarKind, Span, Statement, StorageAccess, StorageFormat, Type, TypeInner, VectorSize,
 };
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use thiserror::Error;
 
 /// Texels in a row of such a texture, as a logarithm: the width that every adapter has (WebGPU's 8192).
@@ -49,7 +49,8 @@ pub fn fetch_from_textures(
     module: &mut Module,
     moves: impl Fn(&str) -> bool,
 ) -> Result<(), FetchError> {
-    let arrays: HashMap<Handle<GlobalVariable>, Moved> = module
+    // In order, here and below: drivers know a shader again by its bits.
+    let arrays: BTreeMap<Handle<GlobalVariable>, Moved> = module
         .global_variables
         .iter()
         .filter(|(_, variable)| {
@@ -215,7 +216,7 @@ impl Moved {
 
 /// The functions that fetch, and those that are rewritten behind them.
 struct Functions<'a> {
-    arrays: &'a HashMap<Handle<GlobalVariable>, Moved>,
+    arrays: &'a BTreeMap<Handle<GlobalVariable>, Moved>,
     arena: Arena<Function>,
     known: HashMap<Place, Handle<Function>>,
 }
