@@ -140,7 +140,7 @@ fn reference(criterion: &mut Criterion) {
     for name in ["gallery", "glasses"] {
         let packed = packed(&format!("scenes/{name}.gltf"));
         group.bench_function(format!("Li {name}"), |b| {
-            b.iter(|| cpu::path::render(black_box(&packed), &SETTINGS, &|_| {}));
+            b.iter(|| cpu::render::render(black_box(&packed), &SETTINGS, &|_| {}));
         });
     }
     group.finish();

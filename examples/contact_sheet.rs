@@ -132,7 +132,7 @@ fn render(path: &Path, args: &Args, gpu: Option<&mut Gpu>) -> Result<Vec<u8>, Bo
     };
     let film: Film = match gpu {
         Some(gpu) => gpu::render::render(gpu, &packed, &settings, &mut |_| {})?.0,
-        None => cpu::path::render(&packed, &settings, &|_| {}).0,
+        None => cpu::render::render(&packed, &settings, &|_| {}).0,
     };
     let (channels, look) = (Channels::default(), Look::default());
     let png = encode(&film, Format::Png, channels, look, Window::whole(&film), "")?;

@@ -4,6 +4,9 @@
 /// What the samples of one pixel come to, in 48 bytes: a picture of 8192 x 8192 has 67 million of them.
 /// Radiance is linear Rec. 709; where nothing was hit in front of a transparent background a sample is
 /// black with alpha 0, so colours are premultiplied.
+///
+/// The sums are those of `samples` independent samples of equal weight that would tell as much: a pixel's mean is
+/// made of all that the filter reaches, and surer than its own samples alone would make it (`Weighted`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmPixel {
     /// Sum of radiance.
@@ -40,19 +43,6 @@ impl FilmPixel {
         self.alpha += alpha as f32;
     }
 
-    /// From sums of radiance, of its square and of coverage.
-    pub fn of_sums(sum: [f64; 3], sum_sq: [f64; 3], alpha: f64, samples: u32) -> Self {
-        let n = f64::from(samples.max(1));
-        Self {
-            sum,
-            // Rounding can leave a tiny negative number where all samples are equal.
-            spread: std::array::from_fn(|c| (sum_sq[c] - sum[c] * sum[c] / n).max(0.0) as f32),
-            alpha: alpha as f32,
-            samples,
-            non_finite: 0,
-        }
-    }
-
     /// Estimated radiance; NaN without a finite sample.
     pub fn mean(&self) -> [f64; 3] {
         self.sum.map(|s| s / f64::from(self.samples))
@@ -84,6 +74,60 @@ impl FilmPixel {
     /// stratified, which makes the true variance smaller on smooth integrands.
     pub fn variance(&self) -> [f64; 3] {
         self.sample_variance().map(|v| v / f64::from(self.samples))
+    }
+}
+
+/// Samples with weights, as the pixel filter gives them, and what they come to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Weighted {
+    /// Sum of the weights.
+    pub weight: f64,
+    /// Sum of their squares.
+    pub weight_squares: f64,
+    /// Weighted mean of radiance.
+    pub mean: [f64; 3],
+    /// Weighted mean of its squared deviation from `mean`.
+    pub variance: [f64; 3],
+    /// Weighted mean of alpha.
+    pub coverage: f64,
+    /// Samples that are left out, as in `FilmPixel`.
+    pub non_finite: u32,
+}
+
+impl Weighted {
+    /// Adds one finite sample, whose weight is above 0.
+    pub fn add(&mut self, weight: f64, radiance: [f64; 3], alpha: f64) {
+        // West 1979, "Updating mean and variance estimates: an improved method".
+        self.weight += weight;
+        self.weight_squares += weight * weight;
+        let share = weight / self.weight;
+        for (c, x) in radiance.into_iter().enumerate() {
+            let from_old_mean = x - self.mean[c];
+            self.mean[c] += share * from_old_mean;
+            let square = from_old_mean * (x - self.mean[c]);
+            self.variance[c] += share * (square - self.variance[c]);
+        }
+        self.coverage += share * (alpha - self.coverage);
+    }
+
+    /// As sums of `samples` independent samples with the same mean and the same error of it. As many samples of equal
+    /// weight as tell what these do are weight² / weight_squares (Kish 1965, "Survey Sampling", section 11.7).
+    pub fn pixel(&self, samples: u32) -> FilmPixel {
+        let n = f64::from(samples);
+        let count = self.weight * self.weight / self.weight_squares;
+        FilmPixel {
+            sum: self.mean.map(|mean| n * mean),
+            // So that `FilmPixel::variance` is the mean's, variance / (count - 1).
+            spread: match samples < 2 {
+                true => [0.0; 3],
+                false => self
+                    .variance
+                    .map(|v| (v * n * (n - 1.0) / (count - 1.0)) as f32),
+            },
+            alpha: (n * self.coverage) as f32,
+            samples,
+            non_finite: self.non_finite,
+        }
     }
 }
 

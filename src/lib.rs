@@ -48,7 +48,7 @@
 //! };
 //! let packed = pack::pack(&loaded.scene, &view)?;
 //! let settings = render::Settings { crop: [0, 0, 640, 480], samples: 0..16 };
-//! let (film, _) = cpu::path::render(&packed, &settings, &|_| {});
+//! let (film, _) = cpu::render::render(&packed, &settings, &|_| {});
 //! println!("{:?}", film.pixel(320, 240).mean());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

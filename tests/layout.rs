@@ -310,7 +310,11 @@ fn the_film_cell_agrees() {
             sum,
             lost,
             squares,
-            non_finite
+            non_finite,
+            weight,
+            weight_lost,
+            weight_squares,
+            reserved
         }),
     );
 }

@@ -12,7 +12,8 @@ use glam::{Affine3A, DMat3, DVec3, Quat, Vec3};
 use picture::*;
 use snell::compare::z_test;
 use snell::cpu;
-use snell::film::{Film, FilmPixel};
+use snell::cpu::filter::FILTER_OVERLAP;
+use snell::film::{Film, FilmPixel, Weighted};
 use snell::pack::{PackError, Packed, View, pack};
 use snell::scene::{Instance, Model, Projection, Scene};
 use snell::shared::NONE;
@@ -393,10 +394,8 @@ fn a_moving_lamp_lights_as_the_mean_of_its_still_pictures() {
     let moving = pack(&scene, &view).unwrap();
     let mut gpu = common::gpu();
     let blurred = on_gpu(&mut gpu, &moving, &whole(&moving, STILLS * EACH));
-    let mut mean = Film::new(view.film_size[0], view.film_size[1]);
-    let mut sums = vec![([0.0; 3], [0.0; 3], 0.0, 0); mean.pixels.len()];
     let lamp = scene.instances[1].clone();
-    for still in 0..STILLS {
+    let still = |still: u32| {
         let (matrix, translation) = at(&lamp, (f64::from(still) + 0.5) / f64::from(STILLS));
         scene.instances[1].motion = Box::default();
         scene.instances[1].world_from_object = Affine3A {
@@ -406,19 +405,31 @@ fn a_moving_lamp_lights_as_the_mean_of_its_still_pictures() {
         let packed = pack(&scene, &view).unwrap();
         let mut settings = whole(&packed, 0);
         settings.samples = still * EACH..(still + 1) * EACH;
-        let film = on_gpu(&mut gpu, &packed, &settings);
-        for (all, one) in sums.iter_mut().zip(&film.pixels) {
-            let n = f64::from(one.samples);
-            for c in 0..3 {
-                all.0[c] += one.sum[c];
-                all.1[c] += n * one.mean_square()[c];
-            }
-            all.2 += f64::from(one.alpha);
-            all.3 += one.samples;
+        on_gpu(&mut gpu, &packed, &settings)
+    };
+    let stills: Vec<Film> = (0..STILLS).map(still).collect();
+    let mut mean = Film::new(view.film_size[0], view.film_size[1]);
+    let samples = STILLS * EACH;
+    for (index, pixel) in mean.pixels.iter_mut().enumerate() {
+        let of_stills = || stills.iter().map(|film| film.pixels[index]);
+        let mean_of = |value: &dyn Fn(FilmPixel) -> f64| {
+            of_stills().map(value).sum::<f64>() / f64::from(STILLS)
+        };
+        let mean = [0, 1, 2].map(|c: usize| mean_of(&|one| one.mean()[c]));
+        // All samples' deviation is that of a still's from its mean, and that of the stills' means.
+        let count = f64::from(EACH) * FILTER_OVERLAP;
+        let variance = |c: usize| {
+            mean_of(&|one| (count - 1.0) * one.variance()[c] + (one.mean()[c] - mean[c]).powi(2))
+        };
+        *pixel = Weighted {
+            weight: samples.into(),
+            weight_squares: f64::from(samples) / FILTER_OVERLAP,
+            mean,
+            variance: [0, 1, 2].map(variance),
+            coverage: mean_of(&|one| one.coverage()),
+            non_finite: 0,
         }
-    }
-    for (pixel, &(sum, sum_sq, alpha, samples)) in mean.pixels.iter_mut().zip(&sums) {
-        *pixel = FilmPixel::of_sums(sum, sum_sq, alpha, samples);
+        .pixel(samples);
     }
     let verdict = z_test(&blurred, &mean, 0.01);
     let [a, b] = [&blurred, &mean].map(Film::average);

@@ -7,7 +7,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use exr::prelude::{ReadChannels, ReadLayers};
-use snell::film::{Film, FilmPixel};
+use snell::film::{Film, FilmPixel, Weighted};
 use snell::output::exr::FACTS_ATTRIBUTE;
 use snell::output::file::{check, write_all};
 use snell::output::tonemap::{Tonemap, srgb_encode};
@@ -57,13 +57,35 @@ fn film_counts_what_is_not_finite_and_leaves_it_out() {
     assert_eq!(pixel.sample_variance(), [2.0, 0.0, 2.0]);
     assert_eq!(pixel.variance(), [1.0, 0.0, 1.0]);
     assert_eq!(pixel.mean_square(), [5.0, 4.0, 5.0]);
-    let of_sums = FilmPixel::of_sums([4.0; 3], [10.0, 8.0, 10.0], 1.0, 2);
-    let finite = FilmPixel {
-        non_finite: 0,
-        ..pixel
-    };
-    assert_eq!(of_sums, finite);
     assert_eq!(film().non_finite(), 1);
+}
+
+#[test]
+fn weighted_samples_tell_as_much_as_fewer_equal_ones() {
+    let values = [[1.0, 2.0, 4.0], [3.0, 2.0, 1.0], [5.0, 2.0, 1.5]];
+    let (mut equal, mut plain) = (Weighted::default(), FilmPixel::default());
+    for x in values {
+        equal.add(0.25, x, 0.5);
+        plain.add(x, 0.5);
+    }
+    let equal = equal.pixel(3);
+    for c in 0..3 {
+        assert!((equal.mean()[c] - plain.mean()[c]).abs() < 1e-14);
+        assert!((equal.variance()[c] - plain.variance()[c]).abs() < 1e-6);
+    }
+    assert_eq!((equal.coverage(), equal.samples), (0.5, 3));
+
+    // By hand: of weights 1 and 1/2 the mean of 1 and 3 is 5/3, the mean squared deviation 8/9, and both weigh
+    // like 9/5 samples: the error squared is 8/9 over 4/5.
+    let mut halved = Weighted::default();
+    halved.add(1.0, [1.0; 3], 1.0);
+    halved.add(0.5, [3.0; 3], 0.0);
+    let halved = halved.pixel(2);
+    for c in 0..3 {
+        assert!((halved.mean()[c] - 5.0 / 3.0).abs() < 1e-14);
+        assert!((halved.variance()[c] - 10.0 / 9.0).abs() < 1e-6);
+    }
+    assert!((halved.coverage() - 2.0 / 3.0).abs() < 1e-6);
 }
 
 #[test]

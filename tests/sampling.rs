@@ -9,6 +9,7 @@ use common::shapes::Random;
 use common::statistics::{assert_p, assert_uniform, chi_square_p};
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use snell::cpu::camera::{camera_at, camera_ray};
+use snell::cpu::filter::*;
 use snell::cpu::rng::{hash_combine, hash_u32, next_1d, next_2d, rng_init};
 use snell::cpu::sample::*;
 use snell::cpu::sobol::{owen_scramble, sobol_dimension0, sobol_dimension1};
@@ -227,12 +228,13 @@ fn dimensions_pixels_and_seeds_are_unrelated() {
     );
 }
 
-/// What the warps make of (u.x, u.y): disk 2, hemisphere 3, triangle 2, filter 1.
+/// What the warps make of (u.x, u.y): disk 2, hemisphere 3, triangle 2; and the weight, half a pixel to the right,
+/// of a sample at that place.
 fn warps_cpu(u: DVec2) -> [f64; 8] {
     let disk = sample_disk_concentric(u);
     let hemisphere = sample_cosine_hemisphere(u);
     let triangle = sample_triangle(u);
-    let filter = sample_blackman_harris(u.x);
+    let offset = filter_offset(filter_place(u));
     [
         disk.x,
         disk.y,
@@ -241,14 +243,14 @@ fn warps_cpu(u: DVec2) -> [f64; 8] {
         hemisphere.z,
         triangle.x,
         triangle.y,
-        filter,
+        filter_weight(offset + DVec2::new(0.5, 0.0)),
     ]
 }
 
 fn warps_gpu(us: &[[f32; 2]]) -> Vec<[f32; 8]> {
     let root = "
 import package::sample::{sample_disk_concentric, sample_cosine_hemisphere, sample_triangle};
-import package::sample::{sample_blackman_harris};
+import package::filter::{filter_offset, filter_place, filter_weight};
 @group(3) @binding(0) var<storage, read> us: array<vec2<f32>>;
 @group(3) @binding(1) var<storage, read_write> answers: array<array<f32, 8>>;
 @compute @workgroup_size(64)
@@ -259,7 +261,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let hemisphere = sample_cosine_hemisphere(u);
     let triangle = sample_triangle(u);
     answers[id.x] = array<f32, 8>(disk.x, disk.y, hemisphere.x, hemisphere.y, hemisphere.z,
-        triangle.x, triangle.y, sample_blackman_harris(u.x));
+        triangle.x, triangle.y, filter_weight(filter_offset(filter_place(u)) + vec2(0.5, 0.0)));
 }";
     let bytes = common::run(
         root,
@@ -307,7 +309,7 @@ fn warps_agree_with_float64() {
         }
     }
     println!("largest errors: {worst:?}");
-    assert!(worst[7] < 3e-6, "the filter's offset, pixels: {}", worst[7]);
+    assert!(worst[7] < 5e-6, "the filter's weight: {}", worst[7]);
     assert!(worst[..7].iter().all(|&error| error < 1e-6), "{worst:?}");
 }
 
@@ -335,7 +337,6 @@ fn warps_are_distributed_as_they_say() {
         uniform("hemisphere's azimuth", &|w| turn(w[3], w[2]));
         uniform("triangle's height", &|w| (1.0 - w[5]).powi(2));
         uniform("triangle's place", &|w| w[6] / (1.0 - w[5]));
-        uniform("filter", &|w| window_cdf(w[7] / FILTER_RADIUS_PX));
         for w in &warped {
             let length = DVec3::new(w[2], w[3], w[4]).length();
             assert!((length - 1.0).abs() < 1e-6 && w[4] >= 0.0);
@@ -344,32 +345,56 @@ fn warps_are_distributed_as_they_say() {
     }
 }
 
-/// Cumulative distribution of the 4-term Blackman-Harris window on [-1, 1].
-fn window_cdf(t: f64) -> f64 {
-    let terms = [0.48829, 0.14128, 0.01168];
-    let sines = (1..)
-        .zip(terms)
-        .map(|(k, a)| a * (f64::from(k) * PI * t).sin() / (f64::from(k) * PI));
-    (0.5 + (0.5 * t + sines.sum::<f64>() / (2.0 * 0.35875))).clamp(0.0, 1.0)
+/// The 4-term Blackman-Harris window on [-1, 1], not normalised.
+fn window(t: f64) -> f64 {
+    let cosines = (1..)
+        .zip([0.48829, 0.14128, 0.01168])
+        .map(|(k, a)| a * (f64::from(k) * PI * t).cos());
+    0.35875 + cosines.sum::<f64>()
 }
 
 #[test]
-fn the_filter_inverts_its_distribution() {
-    let mut last = f64::NEG_INFINITY;
-    for i in 0..=4096 {
-        let u = f64::from(i) / 4096.0;
-        let offset = sample_blackman_harris(u);
-        assert!(offset > last, "not monotone at {u}");
-        last = offset;
-        let back = window_cdf(offset / FILTER_RADIUS_PX);
-        assert!((back - u).abs() < 1e-12, "{u} came back as {back}");
-        assert!(
-            (offset + sample_blackman_harris(1.0 - u)).abs() < 1e-9,
-            "not even at {u}"
+fn the_filter_is_the_window_and_weighs_one() {
+    // The midpoint rule over the pixels that a sample counts for.
+    let n = 1 << 12;
+    let (mut integral, mut squares) = (0.0, 0.0);
+    for i in 0..n {
+        let place = UVec2::splat((i << PLACE_BITS) / n);
+        let offset = filter_offset(place).x;
+        assert!((offset - ((f64::from(i) + 0.5) / f64::from(n) - 0.5)).abs() <= 0.5 / f64::from(n));
+        for beside in [-1.0, 0.0, 1.0] {
+            let weight = blackman_harris(offset + beside);
+            let expected = window((offset + beside) / 1.5) / (2.0 * 0.35875 * 1.5);
+            assert!((weight - expected).abs() < 1e-14 && weight > 0.0);
+            integral += weight / f64::from(n);
+            squares += weight * weight / f64::from(n);
+        }
+    }
+    assert!((integral - 1.0).abs() < 1e-6, "{integral}");
+    assert!(
+        (FILTER_OVERLAP * squares * squares - 1.0).abs() < 1e-6,
+        "{FILTER_OVERLAP}, {squares}"
+    );
+}
+
+#[test]
+fn samples_lie_in_their_pixel_one_in_each_place() {
+    let step = 1.0 / f64::from(1 << PLACE_BITS);
+    assert_eq!(
+        filter_place(DVec2::new(0.0, 1.0 - 0.5 * step)),
+        UVec2::new(0, (1 << PLACE_BITS) - 1)
+    );
+    for place in [0, 1, 1000, (1 << PLACE_BITS) - 1] {
+        let u = f64::from(place) * step;
+        for within in [0.0, 0.99] {
+            let found = filter_place(DVec2::new(u + within * step, 0.5));
+            assert_eq!(found, UVec2::new(place, 1 << (PLACE_BITS - 1)));
+        }
+        assert_eq!(
+            filter_offset(UVec2::new(place, 0)),
+            DVec2::new(u, 0.0) + 0.5 * step - 0.5
         );
     }
-    assert_eq!(sample_blackman_harris(0.0), -FILTER_RADIUS_PX);
-    assert_eq!(sample_blackman_harris(0.5), 0.0);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 import package::bindings::{frame};
 import package::shared::{NONE, BACKGROUND_COLOR, BACKGROUND_TRANSPARENT};
-import package::kernels::state::{load_path, add_radiance, queued_of_class, counters, paths, plane, PLANE_RADIANCE, WORKGROUP};
+import package::kernels::state::{load_path, add_radiance, uncover, queued_of_class, counters, paths, WORKGROUP};
 import package::light::light::{light_pdf_environment};
 import package::light::environment::{Le_environment};
 import package::estimator::{power_heuristic};
@@ -16,13 +16,11 @@ fn miss_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     let path = load_path(slot);
     let Le = Le_environment(path.ray.direction);
     if path.bounce == 0u {
-        var L = vec4(Le, 1.0);
         if frame.background_kind == BACKGROUND_TRANSPARENT {
-            L = vec4(0.0);
-        } else if frame.background_kind == BACKGROUND_COLOR {
-            L = vec4(frame.background, 1.0);
+            uncover(slot);
+        } else {
+            add_radiance(slot, select(Le, frame.background, frame.background_kind == BACKGROUND_COLOR));
         }
-        paths[plane(PLANE_RADIANCE, slot)] = bitcast<vec4<u32>>(L);
         return;
     }
     var weight = 1.0;

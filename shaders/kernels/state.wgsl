@@ -9,13 +9,14 @@ import package::ray::{Ray, Hit};
 import package::shared::{NONE, CLASSES};
 import package::rng::{Rng};
 import package::estimator::{path_time};
+import package::filter::{PLACE_BITS};
 import package::medium::{MEDIA_NONE};
 import package::variant::{MEDIA, SHADED_CLASS};
 
 const PLANE_RAY_ORIGIN: u32 = 0u;     // origin, bounce
 const PLANE_RAY_DIRECTION: u32 = 1u;  // direction, pdf of the last BSDF sample (negative: delta)
 const PLANE_BETA: u32 = 2u;           // throughput, eta scale
-const PLANE_RADIANCE: u32 = 3u;       // L so far, alpha
+const PLANE_RADIANCE: u32 = 3u;       // L so far, the sample's place in its pixel and alpha
 const PLANE_HIT: u32 = 4u;            // t, u, v, instance
 const PLANE_RNG: u32 = 5u;            // hit triangle, pixel seed, sample index, t_min
 const PLANE_SHADOW_ORIGIN: u32 = 6u;  // origin, t_max
@@ -36,6 +37,9 @@ const COUNTER_CLASSES: u32 = 8u;      // and on: length of each class' queue
 const COUNTERS: u32 = COUNTER_CLASSES + CLASSES;
 
 const WORKGROUP: u32 = 64u;
+// In the last word of PLANE_RADIANCE, above the place.
+const COVERED: u32 = 0x40000000u;
+
 const RAY_INFINITY: f32 = 3.4028234e38;
 
 @group(1) @binding(0) var<storage, read_write> paths: array<vec4<u32>>;
@@ -106,12 +110,31 @@ fn store_hit(slot: u32, hit: Hit) {
     paths[plane(PLANE_RNG, slot)].x = hit.triangle;
 }
 
+// A sample that has brought nothing yet, at a place in its pixel, and covered: something is there.
+fn start_radiance(slot: u32, place: vec2<u32>) {
+    paths[plane(PLANE_RADIANCE, slot)] = vec4(0u, 0u, 0u, COVERED | place.x | (place.y << PLACE_BITS));
+}
+
+// The place in its pixel of a sample of PLANE_RADIANCE.
+fn sample_place(radiance: vec4<u32>) -> vec2<u32> {
+    return vec2(radiance.w, radiance.w >> PLACE_BITS) & vec2((1u << PLACE_BITS) - 1u);
+}
+
+fn is_covered(radiance: vec4<u32>) -> bool {
+    return (radiance.w & COVERED) != 0u;
+}
+
+// Nothing is there: alpha is 0.
+fn uncover(slot: u32) {
+    paths[plane(PLANE_RADIANCE, slot)].w &= ~COVERED;
+}
+
 // Adds to the path's radiance. One invocation at a time has a path, so no atomics are needed and the
 // order of a path's additions is the order of its bounces.
 fn add_radiance(slot: u32, L: vec3<f32>) {
     let at = plane(PLANE_RADIANCE, slot);
-    let before = bitcast<vec4<f32>>(paths[at]);
-    paths[at] = bitcast<vec4<u32>>(vec4(before.xyz + L, before.w));
+    let before = paths[at];
+    paths[at] = vec4(bitcast<vec3<u32>>(bitcast<vec3<f32>>(before.xyz) + L), before.w);
 }
 
 // The slot at a place of the queue that this bounce reads; NONE past its end.

@@ -353,7 +353,7 @@ impl Pictures {
             Renderer::Cpu => {
                 return Ok(Self {
                     render_ms: Measured::over(repetitions, || {
-                        Ok(cpu::path::render(packed, settings, &|_| {}))
+                        Ok(cpu::render::render(packed, settings, &|_| {}))
                     })?,
                     upload_ms: None,
                     stages_ms: None,

@@ -103,7 +103,7 @@ impl Renderer {
             Self::Cpu => {
                 let start = Instant::now();
                 let shared = Mutex::new(progress);
-                let (film, counts) = cpu::path::render(packed, settings, &|p| {
+                let (film, counts) = cpu::render::render(packed, settings, &|p| {
                     let mut progress = shared.lock().unwrap_or_else(PoisonError::into_inner);
                     progress.update(p.done, p.total);
                 });

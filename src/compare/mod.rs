@@ -4,6 +4,7 @@
 pub mod map;
 pub mod statistics;
 
+use crate::cpu::filter::FILTER_OVERLAP;
 use crate::film::{Film, FilmPixel};
 use statistics::{p_value_student, sidak};
 
@@ -167,9 +168,9 @@ fn pixel_test(a: &Film, b: &Film, i: usize, c: usize) -> (f64, f64) {
     (z, p_value_student(z, freedom))
 }
 
-/// The p-value of the differences' average over the picture being zero. Pixels are independent, and
-/// their differences' own spread says how far the average may be from zero, whatever the number of
-/// samples and the shape of their distribution. `scale` is what rounding is relative to.
+/// The p-value of the differences' average over the picture being zero. Their own spread and what neighbours share
+/// say how far the average may be from zero, whatever the number of samples and the shape of their
+/// distribution. `scale` is what rounding is relative to.
 fn average_test(
     a: &Film,
     b: &Film,
@@ -199,7 +200,7 @@ fn average_test(
     if average.abs() <= ROUNDING * scale {
         return 1.0;
     }
-    p_value_student(average / (spread / n).sqrt(), n - 1.0)
+    p_value_student(average / (FILTER_OVERLAP * spread / n).sqrt(), n - 1.0)
 }
 
 /// Runs over all pixels and keeps the largest of the sizes that `differs` returns.

@@ -1,10 +1,9 @@
-//! The estimator: one path from the camera, in one function, and the loop over pixels around it.
+//! The estimator: one path from the camera, in one function; `cpu::render` loops over pixels around it.
 //! The GPU's kernels (`shaders/kernels`) are the sentences of `Li` taken apart.
 
 use super::bsdf::bsdf::{bsdf_eval_and_sample, bsdf_is_delta};
 use super::bsdf::lobe::DELTA_STRAIGHT;
 use super::bvh::trace_closest;
-use super::camera::{camera_at, camera_ray};
 use super::estimator::*;
 use super::light::environment::Le_environment;
 use super::light::light::{light_pdf_environment, light_pdf_triangle, light_sample};
@@ -13,21 +12,16 @@ use super::material::{Le_surface, bsdf_at};
 use super::math::{to_local, to_world};
 use super::medium::{MEDIA_NONE, interface_at, media_far, media_ior, media_near, transmittance};
 use super::ray::{Ray, offset_origin};
-use super::rng::{Rng, next_1d, next_2d, rng_init};
-use super::sample::{sample_blackman_harris, sample_disk_concentric};
+use super::rng::{Rng, next_1d, next_2d};
 use super::spectrum::{sample_wavelength, wavelength_weight};
 use super::surface::surface_at;
 use super::visibility::visibility;
-use crate::film::{Film, FilmPixel};
 use crate::pack::Packed;
-use crate::render::{Counts, Progress, Settings};
+use crate::render::Counts;
 use crate::shared::{
     BACKGROUND_COLOR, BACKGROUND_TRANSPARENT, BSDF_UNLIT, MATERIAL_TRANSMISSIVE, NONE,
 };
-use glam::{DVec2, DVec3};
-use rayon::prelude::*;
-use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
+use glam::DVec3;
 
 /// Radiance along a camera ray, and its alpha: one sample of the path integral (Kajiya 1986, "The
 /// rendering equation"), with next-event estimation weighted against BSDF sampling (Veach 1997).
@@ -197,96 +191,5 @@ fn background(packed: &Packed, ray: &Ray) -> (DVec3, f64) {
             1.0,
         ),
         _ => (Le_environment(packed, ray.direction), 1.0),
-    }
-}
-
-/// One sample of a pixel: where in the pixel, which ray, what comes along it.
-pub fn pixel_sample(
-    packed: &Packed,
-    pixel: [u32; 2],
-    sample: u32,
-    counts: &mut Counts,
-) -> (DVec3, f64) {
-    let frame = &packed.frame;
-    let mut rng = rng_init(pixel.into(), sample, frame.seed);
-    rng.dimension = DIMENSION_PIXEL;
-    let u = next_2d(&mut rng);
-    let position = DVec2::new(f64::from(pixel[0]), f64::from(pixel[1]))
-        + 0.5
-        + DVec2::new(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
-    let time = path_time(rng);
-    let camera = camera_at(&frame.camera, time);
-    let mut lens = DVec2::ZERO;
-    if camera.lens_radius > 0.0 {
-        rng.dimension = DIMENSION_LENS;
-        lens = sample_disk_concentric(next_2d(&mut rng));
-    }
-    let mut ray = camera_ray(&camera, frame.film_size.into(), position, lens);
-    ray.time = time;
-    Li(packed, ray, &mut rng, counts)
-}
-
-/// Side of the squares in which pixels are gone over: rays that start together find what they meet in the
-/// processor's cache.
-const TILE: usize = 8;
-
-/// Renders the crop's pixels on the CPU, parallel over rows of tiles; `progress` is called from one of the
-/// threads at a time with the rows of pixels that are done.
-///
-/// The picture does not depend on the number of threads: a pixel's samples are added in order.
-pub fn render(
-    packed: &Packed,
-    settings: &Settings,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> (Film, Counts) {
-    let [x0, y0, width, height] = settings.crop;
-    let mut film = Film::new(width, height);
-    let done = AtomicU64::new(0);
-    let total = u64::from(height);
-    let width = width as usize;
-    let counts = film
-        .pixels
-        .par_chunks_mut(TILE * width)
-        .enumerate()
-        .map(|(band, pixels): (usize, &mut [FilmPixel])| {
-            let mut counts = Counts::default();
-            let rows = pixels.len() / width;
-            for left in (0..width).step_by(TILE) {
-                for row in 0..rows {
-                    for column in left..width.min(left + TILE) {
-                        let pixel = [x0 + column as u32, y0 + (TILE * band + row) as u32];
-                        let cell = &mut pixels[row * width + column];
-                        render_pixel(packed, pixel, settings.samples.clone(), cell, &mut counts);
-                    }
-                }
-            }
-            let rows = rows as u64;
-            let done = done.fetch_add(rows, Ordering::Relaxed) + rows;
-            progress(Progress { done, total });
-            counts
-        })
-        .reduce(Counts::default, |sum, band| Counts {
-            closest_rays: sum.closest_rays + band.closest_rays,
-            shadow_rays: sum.shadow_rays + band.shadow_rays,
-            clamped_samples: sum.clamped_samples + band.clamped_samples,
-        });
-    (film, counts)
-}
-
-/// Adds samples of one pixel to its sums.
-fn render_pixel(
-    packed: &Packed,
-    pixel: [u32; 2],
-    samples: Range<u32>,
-    cell: &mut FilmPixel,
-    counts: &mut Counts,
-) {
-    for sample in samples {
-        let (L, alpha) = pixel_sample(packed, pixel, sample, counts);
-        let clamped = clamp_radiance(L, f64::from(packed.frame.clamp));
-        if L.is_finite() && clamped != L {
-            counts.clamped_samples += 1;
-        }
-        cell.add(clamped.to_array(), alpha);
     }
 }

@@ -5,23 +5,25 @@ use super::kernel::KernelError;
 use super::upload::{Scene, UploadError};
 use super::variant::Variants;
 use super::wavefront::{FilmCell, STAGES, Wavefront};
-use crate::film::{Film, FilmPixel};
+use crate::cpu::filter::FILTER_REACH;
+use crate::film::{Film, FilmPixel, Weighted};
 use crate::pack::Packed;
 use crate::render::{Counts, Progress, Settings};
 use crate::shared::Frame;
+use std::array;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
 /// Side of a tile in pixels. A tile's film stays on the device until all its samples are in.
-const TILE: u32 = 128;
+const TILE: u32 = 256;
 /// Paths of the first dispatch, whose time says how many the next ones may have.
-const FIRST_PATHS: u32 = TILE * TILE;
+const FIRST_PATHS: u32 = 1 << 16;
 /// No more paths than this at a time: 88 MiB of state.
 const MOST_PATHS: u32 = 1 << 19;
-/// No more samples of a pixel than this at a time: `accumulate` adds them in a loop, and Mesa up to 22.3 ends
-/// all loops of an invocation after 65 536 rounds in all.
-const MOST_SAMPLES: u32 = 1 << 15;
+/// No more samples of a pixel than this at a time: `accumulate` adds them and their neighbours in loops, and Mesa up
+/// to 22.3 ends all loops of an invocation after 65 536 rounds in all.
+const MOST_SAMPLES: u32 = 1 << 12;
 /// A submission is to stay within these, well under the two seconds of common GPU watchdogs and
 /// long enough that waiting for the device costs nothing.
 const SHORT: Duration = Duration::from_millis(120);
@@ -125,6 +127,11 @@ fn tiles([_, _, width, height]: [u32; 4]) -> impl Iterator<Item = [u32; 4]> {
     })
 }
 
+/// Pixels whose samples count for a tile of this size: its own and a frame around it.
+pub fn sampled_pixels([width, height]: [u32; 2]) -> u32 {
+    (width + 2 * FILTER_REACH) * (height + 2 * FILTER_REACH)
+}
+
 /// A part of a tile's samples, from number `sample` on.
 fn part(
     packed: &Packed,
@@ -138,7 +145,7 @@ fn part(
         tile_size: [width, height],
         first_sample: sample,
         sample_count,
-        capacity: width * height * sample_count,
+        capacity: sampled_pixels([width, height]) * sample_count,
         ..packed.frame
     }
 }
@@ -161,7 +168,8 @@ pub fn time_stages(
     let once = |_| {
         let mut sums = [Duration::ZERO; STAGES.len()];
         for tile in tiles(settings.crop) {
-            let most = (wavefront.capacity / (tile[2] * tile[3])).clamp(1, MOST_SAMPLES);
+            let most = wavefront.capacity / sampled_pixels([tile[2], tile[3]]);
+            let most = most.clamp(1, MOST_SAMPLES);
             let Range { start, end } = settings.samples;
             for sample in (start..end).step_by(most as usize) {
                 let frame = part(packed, settings, tile, sample, most.min(end - sample));
@@ -189,14 +197,15 @@ fn prepare(
     statistics.upload += start.elapsed();
     let start = Instant::now();
     let [_, _, width, height] = settings.crop;
-    let tile_pixels = u64::from(width.min(TILE)) * u64::from(height.min(TILE));
+    let [width, height] = [width.min(TILE), height.min(TILE)];
+    let sampled = u64::from(sampled_pixels([width, height]));
     let most = u64::from(most_paths).min(Wavefront::largest_capacity(gpu));
-    let capacity = (tile_pixels * settings.samples.len() as u64)
+    let capacity = (sampled * settings.samples.len() as u64)
         .min(most)
         // At least one sample of a whole tile.
-        .max(tile_pixels);
+        .max(sampled);
     let variants = Variants::of(packed, &scene.constants());
-    let wavefront = Wavefront::new(gpu, scene, &variants, capacity as u32, tile_pixels as u32)?;
+    let wavefront = Wavefront::new(gpu, scene, &variants, capacity as u32, width * height)?;
     if let Some(fault) = gpu.take_fault() {
         return Err(fault.into());
     }
@@ -245,9 +254,10 @@ impl Work<'_> {
     /// All samples of a tile: x, y, width, height in the crop.
     fn tile(&mut self, tile: [u32; 4]) -> Result<Vec<FilmCell>, Fault> {
         let pixels = tile[2] * tile[3];
+        let sampled = sampled_pixels([tile[2], tile[3]]);
         let mut sample = self.settings.samples.start;
         while sample < self.settings.samples.end {
-            let sample_count = (self.paths.min(self.wavefront.capacity) / pixels)
+            let sample_count = (self.paths.min(self.wavefront.capacity) / sampled)
                 .clamp(1, MOST_SAMPLES.min(self.settings.samples.end - sample));
             let frame = part(self.packed, self.settings, tile, sample, sample_count);
             let start = Instant::now();
@@ -255,7 +265,7 @@ impl Work<'_> {
             let counts = self.wavefront.run(self.gpu, &frame, first)?;
             self.count(counts, frame.capacity, start.elapsed());
             sample += sample_count;
-            self.done += u64::from(frame.capacity);
+            self.done += u64::from(pixels) * u64::from(sample_count);
             (self.progress)(Progress {
                 done: self.done,
                 total: self.total,
@@ -292,14 +302,19 @@ fn next_paths(paths: u32, ran: u32, elapsed: Duration) -> u32 {
 
 /// The device's float32 sums in the host's terms; what rounding dropped is put back.
 fn film_pixel(cell: &FilmCell, samples: u32) -> FilmPixel {
-    let sum = |c: usize| f64::from(cell.sum[c]) - f64::from(cell.lost[c]);
-    FilmPixel {
+    let weight = f64::from(cell.weight) - f64::from(cell.weight_lost);
+    let mean = |c: usize| (f64::from(cell.sum[c]) - f64::from(cell.lost[c])) / weight;
+    let radiance = [mean(0), mean(1), mean(2)];
+    Weighted {
+        weight,
+        weight_squares: cell.weight_squares.into(),
+        mean: radiance,
+        // Rounding can leave a tiny negative number where all samples are equal.
+        variance: array::from_fn(|c| {
+            (f64::from(cell.squares[c]) / weight - radiance[c] * radiance[c]).max(0.0)
+        }),
+        coverage: mean(3),
         non_finite: cell.non_finite,
-        ..FilmPixel::of_sums(
-            [sum(0), sum(1), sum(2)],
-            cell.squares.map(f64::from),
-            sum(3),
-            samples - cell.non_finite,
-        )
     }
+    .pixel(samples - cell.non_finite)
 }

@@ -39,6 +39,7 @@ pub const MODULES: &[Module] = modules![
     "camera",
     "erf",
     "estimator",
+    "filter",
     "exact",
     "intersect",
     "kernels/accumulate",

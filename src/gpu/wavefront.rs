@@ -43,6 +43,10 @@ pub struct FilmCell {
     pub lost: [f32; 4],
     pub squares: [f32; 3],
     pub non_finite: u32,
+    pub weight: f32,
+    pub weight_lost: f32,
+    pub weight_squares: f32,
+    pub reserved: u32,
 }
 
 /// A kernel bound to this wavefront's buffers.

@@ -1,5 +1,6 @@
 //! Compares a rendered film with a closed form.
 
+use snell::cpu::filter::FILTER_OVERLAP;
 use snell::film::Film;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -111,7 +112,7 @@ pub fn check(what: &str, film: &Film, seen: &dyn Fn(f64, f64) -> Seen) -> Power 
     let mut failures = Vec::new();
     for ((part, tile), group) in &groups {
         for c in 0..3 {
-            let error = group.variance[c].sqrt();
+            let error = (FILTER_OVERLAP * group.variance[c]).sqrt();
             let allowed = z_limit * error + ROUNDING * group.expected[c];
             // NaN is not within.
             let within = group.difference[c].abs() <= allowed;

@@ -43,7 +43,7 @@ fn films(name: &str, film_size: [u32; 2], samples: u32) -> Vec<(String, Film)> {
         crop: [0, 0, film_size[0], film_size[1]],
         samples: 0..samples,
     };
-    let (cpu, _) = snell::cpu::path::render(&packed, &settings, &|_| {});
+    let (cpu, _) = snell::cpu::render::render(&packed, &settings, &|_| {});
     let mut gpu = common::gpu();
     let (lavapipe, _) =
         snell::gpu::render::render(&mut gpu, &packed, &settings, &mut |_| {}).unwrap();

@@ -69,7 +69,7 @@ pub fn on_gpu(gpu: &mut Gpu, packed: &Packed, settings: &Settings) -> Film {
 }
 
 pub fn on_cpu(packed: &Packed, settings: &Settings) -> Film {
-    snell::cpu::path::render(packed, settings, &|_| {}).0
+    snell::cpu::render::render(packed, settings, &|_| {}).0
 }
 
 /// At an equal sample stream the renderers take the same paths, but for those that part at an edge:

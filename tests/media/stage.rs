@@ -131,7 +131,7 @@ pub fn settings(packed: &Packed, samples: u32) -> Settings {
 /// By the reference and by the kernels on lavapipe.
 pub fn films(packed: &Packed, samples: u32) -> [(&'static str, Film); 2] {
     let settings = settings(packed, samples);
-    let (cpu, _) = snell::cpu::path::render(packed, &settings, &|_| {});
+    let (cpu, _) = snell::cpu::render::render(packed, &settings, &|_| {});
     let mut gpu = common::gpu();
     let (lavapipe, _) =
         snell::gpu::render::render(&mut gpu, packed, &settings, &mut |_| {}).unwrap();
