@@ -98,8 +98,9 @@ class Snell:
 class Peer:
     """Another renderer: one process that keeps the scene while its rounds last, and a cold one for latency."""
 
-    def __init__(self, name, script, *arguments):
-        self.name, self.convention, self.start = name, script.split("_")[1].removesuffix(".py"), [sys.executable, str(HERE / script)]
+    def __init__(self, name, pixel_filter, script, *arguments):
+        self.name, self.filter, self.start = name, pixel_filter, [sys.executable, str(HERE / script)]
+        self.convention = script.split("_")[1].removesuffix(".py") + ("" if pixel_filter == "box" else f"-{pixel_filter}")
         self.arguments, self.environment = list(arguments), dict(os.environ)
         self.process = None
         self.version = self.ask(version=True)["version"]
@@ -130,7 +131,7 @@ class Peer:
             self.process = None
 
     def render(self, scene, size, spp, seed, out):
-        return self.ask(scene=str(scene), size=size, spp=spp, seed=seed, out=str(out))
+        return self.ask(scene=str(scene), size=size, spp=spp, seed=seed, filter=self.filter, out=str(out))
 
     def picture(self, scene, size, spp, out):
         return run([*self.start, "picture", *self.arguments, str(scene), str(size), str(spp), str(out)], self.environment)
@@ -166,8 +167,8 @@ def renderers(arguments):
     variants = ["llvm_ad_rgb", *arguments.mitsuba]
     for variant in dict.fromkeys(variants):
         name = f"Mitsuba {variant}"
-        makers.append((name, lambda n=name, v=variant: Peer(n, "peer_mitsuba.py", v)))
-    makers.append(("Cycles", lambda: Peer("Cycles", "peer_cycles.py")))
+        makers.append((name, lambda n=name, v=variant: Peer(n, arguments.filter, "peer_mitsuba.py", v)))
+    makers.append(("Cycles", lambda: Peer("Cycles", arguments.filter, "peer_cycles.py")))
 
     found = []
     for name, make in makers:
@@ -257,7 +258,8 @@ def throughput(arguments):
     folder = arguments.cache / "scenes"
     folder.mkdir(parents=True, exist_ok=True)
     scenes.write_hdr(folder / "env.hdr", scenes.sky())
-    result = dict(machine(), size=arguments.size, spp=arguments.spp, reference_spp=arguments.reference_spp, scenes={})
+    result = dict(machine(), size=arguments.size, spp=arguments.spp, reference_spp=arguments.reference_spp)
+    result |= dict(filter=arguments.filter, scenes={})
     for name in arguments.scenes:
         triangles = scenes.write(folder, name)
         scene = folder / f"{name}.json"
@@ -304,7 +306,7 @@ def throughput_table(result):
         *heading(result),
         f"{result['size']} x {result['size']}, {result['spp']} samples, references of {result['reference_spp']} samples"
         " by each renderer itself; medians of the rounds; trimmed: without the worst 0.1 % of pixels;"
-        " ratios are of 1/(relMSE s).",
+        f" ratios are of 1/(relMSE s). The others' pixel filter: {result['filter']}.",
         "",
     ]
     for name, scene in result["scenes"].items():
@@ -420,6 +422,9 @@ def main():
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--spp", type=int, help="default 64, latency 16")
     parser.add_argument("--reference-spp", type=int, default=2048)
+    parser.add_argument(
+        "--filter", choices=["box", "wide"], default="box", help="pixels of the others: boxes, or as wide as Snell's"
+    )
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--cache", type=Path, default=HERE.parent / "target" / "compare", help="scenes, references, caches")
     parser.add_argument("--json", type=Path)

@@ -3,9 +3,10 @@
     python benches/peer_mitsuba.py worker VARIANT             requests as JSON lines on standard input
     python benches/peer_mitsuba.py picture VARIANT FILE.json SIZE SPP OUT.png
 
-A request is {"scene": FILE.json, "size", "spp", "seed", "out": FILE.npy}; the answer is a line of JSON after
+A request is {"scene": FILE.json, "size", "spp", "seed", "filter", "out": FILE.npy}; the answer is a line of JSON after
 "ANSWER ": seconds, processor_seconds. What is timed is `mi.render` until its pixels are in memory: no import, no
-scene. The integrator is `path`, the sampler `independent`, the pixel filter a box.
+scene. The integrator is `path`, the sampler `independent`, the pixel filter a box or, of the width of Snell's, a
+Gaussian: both weight a sample in all pixels that they reach.
 """
 
 import json
@@ -19,6 +20,8 @@ import numpy as np
 
 # Vertices of a path with camera and lamp, less one: Snell's --max-depth 7, Cycles' 6 bounces.
 MAX_DEPTH = 8
+# The standard deviation is that of a Blackman-Harris window 3 pixels wide.
+FILTERS = dict(box=dict(type="box"), wide=dict(type="gaussian", stddev=0.4155))
 
 
 def rgb(value):
@@ -61,12 +64,12 @@ def bsdf(m, folder):
     raise ValueError(f"no material of the kind {kind}")
 
 
-def load(file, size):
+def load(file, size, pixel_filter):
     file, turn = Path(file), mi.ScalarTransform4f
     s = json.loads(file.read_text())
     camera = s["camera"]
     film = dict(type="hdrfilm", width=size, height=size, pixel_format="rgb", component_format="float32")
-    film["rfilter"] = dict(type="box")
+    film["rfilter"] = FILTERS[pixel_filter]
     look = turn().look_at(origin=camera["origin"], target=camera["target"], up=[0, 1, 0])
     sensor = dict(
         type="perspective", fov=camera["yfov"], fov_axis="y", near_clip=0.01, far_clip=1e4, to_world=look,
@@ -96,9 +99,10 @@ def worker():
         if "version" in request:
             print("ANSWER " + json.dumps(dict(version=mi.__version__)), flush=True)
             continue
-        if (request["scene"], request["size"]) != loaded:
-            scene = load(request["scene"], request["size"])
-            loaded = request["scene"], request["size"]
+        wanted = request["scene"], request["size"], request["filter"]
+        if wanted != loaded:
+            scene = load(*wanted)
+            loaded = wanted
         start, processor = time.perf_counter(), resource.getrusage(resource.RUSAGE_SELF)
         image = np.array(mi.render(scene, spp=request["spp"], seed=request["seed"]))
         seconds, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF)
@@ -108,7 +112,7 @@ def worker():
 
 
 def picture(file, size, spp, out):
-    mi.util.write_bitmap(out, mi.render(load(file, int(size)), spp=int(spp)), write_async=False)
+    mi.util.write_bitmap(out, mi.render(load(file, int(size), "box"), spp=int(spp)), write_async=False)
 
 
 if __name__ == "__main__":
