@@ -16,15 +16,16 @@ use snell::gpu::render::{RenderError, render, render_in_batches, sampled_pixels}
 use snell::gpu::upload::{Scene, UploadError};
 use snell::gpu::variant::Variants;
 use snell::gpu::wavefront::{FilmCell, Wavefront, kernels};
-use snell::pack::{Packed, pack};
+use snell::pack::{Background, Packed, pack};
 use snell::render::Settings;
 use snell::scene::{AlphaMode, Environment, Model, Projection};
 use snell::shared::Frame;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// The gallery in small: every reflection model, area lights, instances. Wider than a tile.
 fn gallery() -> Packed {
-    packed(&load_scene(&project("scenes/gallery.gltf")), [144, 40])
+    packed(&load_scene(&project("scenes/gallery.gltf")), [272, 21])
 }
 
 #[test]
@@ -98,7 +99,7 @@ fn a_crop_is_that_part_of_the_whole() {
     let mut gpu = common::gpu();
     let packed = gallery();
     let all = whole(&packed, 2);
-    let crop = [13, 5, 70, 29];
+    let crop = [213, 5, 50, 12];
     let part = Settings {
         crop,
         samples: 0..2,
@@ -237,12 +238,12 @@ fn progress_goes_from_the_first_batch_to_all() {
     let mut seen = Vec::new();
     let (_, statistics) = render(&mut gpu, &packed, &whole(&packed, 4), &mut |progress| {
         seen.push(progress.done);
-        assert_eq!(progress.total, 144 * 40 * 4);
+        assert_eq!(progress.total, 272 * 21 * 4);
     })
     .unwrap();
     assert!(seen.is_sorted());
-    assert_eq!(seen.last(), Some(&(144 * 40 * 4)));
-    assert!(statistics.counts.closest_rays >= 144 * 40 * 4);
+    assert_eq!(seen.last(), Some(&(272 * 21 * 4)));
+    assert!(statistics.counts.closest_rays >= 272 * 21 * 4);
 }
 
 #[test]
@@ -344,5 +345,60 @@ fn a_blended_lamp_is_as_bright_as_it_is_there() {
         assert!(full > 0.05, "{full}");
         let ratio = quarter / full;
         assert!((ratio - 0.25).abs() < 0.005, "{ratio}");
+    }
+}
+
+/// The integral of the 4-term Blackman-Harris window on [-1, 1] from its start, of 1 in all.
+fn window_cdf(t: f64) -> f64 {
+    let t = t.clamp(-1.0, 1.0);
+    let sines = (1..)
+        .zip([0.48829, 0.14128, 0.01168])
+        .map(|(k, a)| a * (f64::from(k) * PI * t).sin() / (f64::from(k) * PI));
+    0.5 + (0.5 * t + sines.sum::<f64>() / (2.0 * 0.35875))
+}
+
+/// Edges are as soft as the filter is wide, and lie where they lie; beyond the picture's border is what is there.
+#[test]
+fn edges_are_the_filters_integral() {
+    let [left, right, top] = [-8.0_f32, 0.3, -0.2];
+    let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+    let (a, b) = (corner(left, -20.0), corner(right, -20.0));
+    let (c, d) = (corner(right, top), corner(left, top));
+    let quad = shapes::flat(&[[a, b, c], [a, c, d]]);
+    let mut scene = shapes::scene(vec![quad], vec![shapes::instance(0, Affine3A::IDENTITY)]);
+    scene.materials[0].emissive = Vec3::ONE;
+    let mut view = shapes::view();
+    view.background = Background::Color([0.0; 3]);
+    view.max_depth = 0;
+    view.film_size = [16, 16];
+    view.camera.world_from_camera = Affine3A::from_translation(Vec3::Z * 2.0);
+    view.camera.projection = Projection::Orthographic {
+        xmag: 8.0,
+        ymag: 8.0,
+        near: 0.01,
+    };
+    let packed = pack(&scene, &view).unwrap();
+    let settings = whole(&packed, 1024);
+    let films = [
+        on_gpu(&mut common::gpu(), &packed, &settings),
+        on_cpu(&packed, &settings),
+    ];
+    for film in films {
+        let mut partly = 0;
+        for row in 0..16 {
+            for column in 0..16 {
+                let (x, y) = (f64::from(column) - 7.5, 7.5 - f64::from(row));
+                let below = |edge: f32, center: f64| window_cdf((f64::from(edge) - center) / 1.5);
+                let expected = (below(right, x) - below(left, x)) * below(top, y);
+                let pixel = film.pixel(column, row);
+                let (mean, error) = (pixel.mean()[0], pixel.variance()[0].sqrt());
+                assert!(
+                    (mean - expected).abs() < 3.0 * error + 1e-5,
+                    "{column}, {row}: {mean} +- {error} instead of {expected}"
+                );
+                partly += u32::from(mean > 0.01 && mean < 0.99);
+            }
+        }
+        assert!(partly > 20, "{partly}");
     }
 }
