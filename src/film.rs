@@ -77,19 +77,17 @@ impl FilmPixel {
     }
 }
 
-/// Samples with weights, as the pixel filter gives them, and what they come to.
+/// Sums of samples with weights, as the pixel filter gives them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Weighted {
-    /// Sum of the weights.
     pub weight: f64,
-    /// Sum of their squares.
     pub weight_squares: f64,
-    /// Weighted mean of radiance.
-    pub mean: [f64; 3],
-    /// Weighted mean of its squared deviation from `mean`.
-    pub variance: [f64; 3],
-    /// Weighted mean of alpha.
-    pub coverage: f64,
+    /// Weighted radiance.
+    pub sum: [f64; 3],
+    /// Weighted square of radiance.
+    pub squares: [f64; 3],
+    /// Weighted alpha.
+    pub alpha: f64,
     /// Samples that are left out, as in `FilmPixel`.
     pub non_finite: u32,
 }
@@ -97,17 +95,13 @@ pub struct Weighted {
 impl Weighted {
     /// Adds one finite sample, whose weight is above 0.
     pub fn add(&mut self, weight: f64, radiance: [f64; 3], alpha: f64) {
-        // West 1979, "Updating mean and variance estimates: an improved method".
         self.weight += weight;
         self.weight_squares += weight * weight;
-        let share = weight / self.weight;
         for (c, x) in radiance.into_iter().enumerate() {
-            let from_old_mean = x - self.mean[c];
-            self.mean[c] += share * from_old_mean;
-            let square = from_old_mean * (x - self.mean[c]);
-            self.variance[c] += share * (square - self.variance[c]);
+            self.sum[c] += weight * x;
+            self.squares[c] += weight * x * x;
         }
-        self.coverage += share * (alpha - self.coverage);
+        self.alpha += weight * alpha;
     }
 
     /// As sums of `samples` independent samples with the same mean and the same error of it. As many samples of equal
@@ -115,16 +109,20 @@ impl Weighted {
     pub fn pixel(&self, samples: u32) -> FilmPixel {
         let n = f64::from(samples);
         let count = self.weight * self.weight / self.weight_squares;
-        FilmPixel {
-            sum: self.mean.map(|mean| n * mean),
+        let spread = |c: usize| {
+            let mean = self.sum[c] / self.weight;
+            // Rounding can leave a tiny negative number where all samples are equal.
+            let variance = (self.squares[c] / self.weight - mean * mean).max(0.0);
             // So that `FilmPixel::variance` is the mean's, variance / (count - 1).
+            (variance * n * (n - 1.0) / (count - 1.0)) as f32
+        };
+        FilmPixel {
+            sum: self.sum.map(|sum| n * sum / self.weight),
             spread: match samples < 2 {
                 true => [0.0; 3],
-                false => self
-                    .variance
-                    .map(|v| (v * n * (n - 1.0) / (count - 1.0)) as f32),
+                false => [spread(0), spread(1), spread(2)],
             },
-            alpha: (n * self.coverage) as f32,
+            alpha: (n * self.alpha / self.weight) as f32,
             samples,
             non_finite: self.non_finite,
         }

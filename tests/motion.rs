@@ -418,15 +418,15 @@ fn a_moving_lamp_lights_as_the_mean_of_its_still_pictures() {
         let mean = [0, 1, 2].map(|c: usize| mean_of(&|one| one.mean()[c]));
         // All samples' deviation is that of a still's from its mean, and that of the stills' means.
         let count = f64::from(EACH) * FILTER_OVERLAP;
-        let variance = |c: usize| {
-            mean_of(&|one| (count - 1.0) * one.variance()[c] + (one.mean()[c] - mean[c]).powi(2))
-        };
+        let square =
+            |c: usize| mean_of(&|one| (count - 1.0) * one.variance()[c] + one.mean()[c].powi(2));
+        let weight = f64::from(samples);
         *pixel = Weighted {
-            weight: samples.into(),
-            weight_squares: f64::from(samples) / FILTER_OVERLAP,
-            mean,
-            variance: [0, 1, 2].map(variance),
-            coverage: mean_of(&|one| one.coverage()),
+            weight,
+            weight_squares: weight / FILTER_OVERLAP,
+            sum: mean.map(|mean| weight * mean),
+            squares: [0, 1, 2].map(|c| weight * square(c)),
+            alpha: weight * mean_of(&|one| one.coverage()),
             non_finite: 0,
         }
         .pixel(samples);

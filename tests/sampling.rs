@@ -362,8 +362,10 @@ fn the_filter_is_the_window_and_weighs_one() {
         let place = UVec2::splat((i << PLACE_BITS) / n);
         let offset = filter_offset(place).x;
         assert!((offset - ((f64::from(i) + 0.5) / f64::from(n) - 0.5)).abs() <= 0.5 / f64::from(n));
-        for beside in [-1.0, 0.0, 1.0] {
+        let windows = filter_windows(offset);
+        for (beside, window_there) in [-1.0, 0.0, 1.0].into_iter().zip(windows) {
             let weight = blackman_harris(offset + beside);
+            assert!((window_there - weight).abs() < 1e-14);
             let expected = window((offset + beside) / 1.5) / (2.0 * 0.35875 * 1.5);
             assert!((weight - expected).abs() < 1e-14 && weight > 0.0);
             integral += weight / f64::from(n);

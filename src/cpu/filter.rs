@@ -47,14 +47,29 @@ pub fn filter_offset(place: UVec2) -> DVec2 {
     (place.as_dvec2() + 0.5) / PLACES - 0.5
 }
 
-/// The window across one axis, at a distance from its middle below `FILTER_RADIUS_PX`; its integral over pixels is 1.
-pub fn blackman_harris(distance: f64) -> f64 {
-    let c = (PI / FILTER_RADIUS_PX * distance).cos();
+/// The window where its first cosine is `c`; its integral over pixels is 1.
+// cpu only: the shader's window is a polynomial of the distance.
+fn window_of_cosine(c: f64) -> f64 {
     let b0 = BLACKMAN_HARRIS_0 - BLACKMAN_HARRIS_2;
     let b1 = BLACKMAN_HARRIS_1 - 3.0 * BLACKMAN_HARRIS_3;
     let b2 = 2.0 * BLACKMAN_HARRIS_2;
     let b3 = 4.0 * BLACKMAN_HARRIS_3;
     (b0 + c * (b1 + c * (b2 + c * b3))) / (2.0 * BLACKMAN_HARRIS_0 * FILTER_RADIUS_PX)
+}
+
+/// The window across one axis, at a distance from its middle up to `FILTER_RADIUS_PX`.
+pub fn blackman_harris(distance: f64) -> f64 {
+    window_of_cosine((PI / FILTER_RADIUS_PX * distance).cos())
+}
+
+/// `blackman_harris` at `offset` - 1, `offset` and `offset` + 1. The window being three pixels wide, they are a third of
+/// a turn apart.
+// cpu only: kernels evaluate each where they need it, which costs them less than to keep it.
+pub fn filter_windows(offset: f64) -> [f64; 3] {
+    const SIN_THIRD: f64 = 0.866_025_403_784_438_6;
+    let (sin, cos) = (PI / FILTER_RADIUS_PX * offset).sin_cos();
+    let [across, along] = [SIN_THIRD * sin, -0.5 * cos];
+    [along + across, cos, along - across].map(window_of_cosine)
 }
 
 /// Of a sample so far, in pixels, from a pixel's centre.

@@ -2,7 +2,7 @@
 
 use super::camera::{camera_at, camera_ray};
 use super::estimator::{DIMENSION_LENS, DIMENSION_PIXEL, clamp_radiance, path_time};
-use super::filter::{FILTER_REACH, filter_offset, filter_place, filter_weight};
+use super::filter::{FILTER_REACH, filter_offset, filter_place, filter_windows};
 use super::path::Li;
 use super::rng::{next_2d, rng_init};
 use super::sample::sample_disk_concentric;
@@ -17,8 +17,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// What a sample of a pixel brings.
 #[derive(Clone, Copy)]
 struct Sample {
-    /// The place in its pixel, from the pixel's centre, pixels.
-    offset: DVec2,
+    /// `filter_windows` across and down.
+    windows: [[f64; 3]; 2],
     L: DVec3,
     alpha: f64,
 }
@@ -40,7 +40,8 @@ fn pixel_sample(packed: &Packed, pixel: UVec2, sample: u32, counts: &mut Counts)
     let mut ray = camera_ray(&camera, frame.film_size.into(), position, lens);
     ray.time = time;
     let (L, alpha) = Li(packed, ray, &mut rng, counts);
-    Sample { offset, L, alpha }
+    let windows = [offset.x, offset.y].map(filter_windows);
+    Sample { windows, L, alpha }
 }
 
 /// Side of the squares in which pixels are gone over: rays that start together find what they meet in the
@@ -208,22 +209,18 @@ impl Tile {
             let first = (within.y * size.x + within.x) as usize * numbers;
             &blocks[index as usize].0[first..first + numbers]
         };
-        let around = 2 * FILTER_REACH + 1;
-        let near: [(DVec2, &[Sample]); 9] = std::array::from_fn(|i| {
-            let from_corner = UVec2::new(i as u32 % around, i as u32 / around);
-            let beside = from_corner.as_dvec2() - f64::from(FILTER_REACH);
-            (beside, of(pixel + from_corner))
-        });
+        let near: [&[Sample]; 9] =
+            std::array::from_fn(|i| of(pixel + UVec2::new(i as u32 % 3, i as u32 / 3)));
         for number in 0..numbers {
-            for (beside, of_pixel) in near {
-                let Sample { offset, L, alpha } = of_pixel[number];
-                let is_own = beside == DVec2::ZERO;
+            for (i, of_pixel) in near.iter().enumerate() {
+                let Sample { windows, L, alpha } = of_pixel[number];
+                let is_own = i == 4;
                 if !L.is_finite() {
                     cell.non_finite += u32::from(is_own);
                     continue;
                 }
                 *samples += u32::from(is_own);
-                cell.add(filter_weight(offset + beside), L.to_array(), alpha);
+                cell.add(windows[0][i % 3] * windows[1][i / 3], L.to_array(), alpha);
             }
         }
     }

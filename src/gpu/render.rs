@@ -10,7 +10,6 @@ use crate::film::{Film, FilmPixel, Weighted};
 use crate::pack::Packed;
 use crate::render::{Counts, Progress, Settings};
 use crate::shared::Frame;
-use std::array;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -302,18 +301,13 @@ fn next_paths(paths: u32, ran: u32, elapsed: Duration) -> u32 {
 
 /// The device's float32 sums in the host's terms; what rounding dropped is put back.
 fn film_pixel(cell: &FilmCell, samples: u32) -> FilmPixel {
-    let weight = f64::from(cell.weight) - f64::from(cell.weight_lost);
-    let mean = |c: usize| (f64::from(cell.sum[c]) - f64::from(cell.lost[c])) / weight;
-    let radiance = [mean(0), mean(1), mean(2)];
+    let sum = |c: usize| f64::from(cell.sum[c]) - f64::from(cell.lost[c]);
     Weighted {
-        weight,
+        weight: f64::from(cell.weight) - f64::from(cell.weight_lost),
         weight_squares: cell.weight_squares.into(),
-        mean: radiance,
-        // Rounding can leave a tiny negative number where all samples are equal.
-        variance: array::from_fn(|c| {
-            (f64::from(cell.squares[c]) / weight - radiance[c] * radiance[c]).max(0.0)
-        }),
-        coverage: mean(3),
+        sum: [sum(0), sum(1), sum(2)],
+        squares: cell.squares.map(f64::from),
+        alpha: sum(3),
         non_finite: cell.non_finite,
     }
     .pixel(samples - cell.non_finite)
