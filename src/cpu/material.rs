@@ -62,6 +62,10 @@ pub fn white_texels() -> Texels {
 
 /// A texture of the material at the surface.
 pub fn texture_at(packed: &Packed, texture: &Texture, surface: &Surface) -> DVec4 {
+    // Most have none, and its coordinates need not be read.
+    if texture.texels == NONE {
+        return DVec4::ONE;
+    }
     texture_sample(packed, texture, texcoord(packed, surface, texture.texcoord))
 }
 
