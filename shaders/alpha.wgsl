@@ -1,29 +1,14 @@
-// Which hits count: culling of back faces, alpha masks and alpha blending, decided while tracing.
+// Which hits count: alpha masks and alpha blending, decided while tracing.
 
-import package::shared::{MATERIAL_DOUBLE_SIDED, MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND, MATERIAL_TRANSMISSIVE};
-import package::bindings::{frame, triangles, materials};
+import package::shared::{MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND};
+import package::bindings::{triangles, materials};
 import package::attributes::{attribute_color, attribute_texcoord};
 import package::texture::{texture_sample};
 import package::rng::{hash_combine, unit_from_bits};
 import package::variant::{TEST_ALPHA, BASE_COLOR_TEXTURES};
 
-// Whether the surface is there at this point, seen from its front or its back.
-fn is_visible(
-    triangle_index: u32, instance_index: u32, barycentrics: vec2<f32>, front: bool, alpha_seed: u32,
-) -> bool {
-    if front && (!TEST_ALPHA || frame.has_alpha == 0u) {
-        return true;
-    }
-    let material_index = triangles[triangle_index].material;
-    let flags = materials[material_index].flags;
-    // glTF 2.0 section 3.9.6: back faces are culled unless double-sided. What light goes through has
-    // to be met from inside as well.
-    if !front && (flags & (MATERIAL_DOUBLE_SIDED | MATERIAL_TRANSMISSIVE)) == 0u {
-        return false;
-    }
-    if !TEST_ALPHA || (flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0u {
-        return true;
-    }
+// Whether a masked or blended surface is there at this point, for the ray of this seed.
+fn is_visible(triangle_index: u32, instance_index: u32, barycentrics: vec2<f32>, alpha_seed: u32) -> bool {
     return alpha_threshold(triangle_index, instance_index, alpha_seed) < coverage_at(triangle_index, barycentrics);
 }
 

@@ -48,9 +48,14 @@ const GLTF_TRANSMISSIVE: u32 = 1u; // the dielectric part has the exact Fresnel 
 const GLTF_THIN_WALLED: u32 = 2u;  // and passes straight, without refraction
 const GLTF_INSIDE: u32 = 4u;       // wo is inside of the medium: coat, sheen and film are on the other side
 
-// `Triangle.shading_class`: by which kernel its surface is shaded. A driver that carries out every branch
-// for all lanes pays at each surface for the models that any of them may have, so materials that are
-// shaded alike have a kernel of their own.
+// `Triangle.flags`: what tracing asks of the material, beside the corners that it reads anyway.
+const TRIANGLE_CLASS: u32 = 3u;  // one of CLASS_*
+const TRIANGLE_CULLED: u32 = 4u; // its back is not met
+const TRIANGLE_ALPHA: u32 = 8u;  // masked or blended: whether it is there, alpha says
+
+// By which kernel a surface is shaded. A driver that carries out every branch for all lanes pays at each
+// surface for the models that any of them may have, so materials that are shaded alike have a kernel of
+// their own.
 const CLASS_DIFFUSE: u32 = 0u; // Lambert, Oren-Nayar, unlit
 const CLASS_OPAQUE: u32 = 1u;  // glTF's dielectric and metal, without extensions' lobes
 const CLASS_OTHER: u32 = 2u;
@@ -200,11 +205,11 @@ struct Triangle {
     e1: vec3<f32>,  // p1 - p0
     vertex1: u32,
     e2: vec3<f32>,  // p2 - p0
+    flags: u32,     // TRIANGLE_*
     vertex2: u32,
     material: u32,
     vertex_layout: u32,
     primitive: u32, // running number of the glTF primitive
-    shading_class: u32,
 }
 
 // A mesh placed in the world; the matrix is 3x4, by rows, and has an inverse. What moves has further keys

@@ -38,6 +38,9 @@ pub const MATERIAL_SPECULAR_GLOSSINESS: u32 = 64;
 pub const GLTF_TRANSMISSIVE: u32 = 1;
 pub const GLTF_THIN_WALLED: u32 = 2;
 pub const GLTF_INSIDE: u32 = 4;
+pub const TRIANGLE_CLASS: u32 = 3;
+pub const TRIANGLE_CULLED: u32 = 4;
+pub const TRIANGLE_ALPHA: u32 = 8;
 pub const CLASS_DIFFUSE: u32 = 0;
 pub const CLASS_OPAQUE: u32 = 1;
 pub const CLASS_OTHER: u32 = 2;
@@ -163,11 +166,11 @@ pub struct Triangle {
     pub e1: [f32; 3],
     pub vertex1: u32,
     pub e2: [f32; 3],
+    pub flags: u32,
     pub vertex2: u32,
     pub material: u32,
     pub vertex_layout: u32,
     pub primitive: u32,
-    pub shading_class: u32,
 }
 
 /// A mesh placed in the world, or a further key of one that moves; the matrix is 3x4, by rows.

@@ -127,11 +127,11 @@ fn structures_agree_field_by_field() {
                 e1,
                 vertex1,
                 e2,
+                flags,
                 vertex2,
                 material,
                 vertex_layout,
-                primitive,
-                shading_class
+                primitive
             }),
         ),
         (

@@ -1,7 +1,7 @@
 // "What does the ray meet first?": one invocation a path in the queue; rays in, hits out.
 
 import package::kernels::state::{load_ray, store_hit, queued_path, queue_class, counters, paths, plane, PLANE_RNG, PLANE_RAY_ORIGIN, WORKGROUP};
-import package::shared::{NONE, CLASS_MISS};
+import package::shared::{NONE, CLASS_MISS, TRIANGLE_CLASS};
 import package::bindings::{triangles};
 import package::bvh::{trace_closest};
 import package::estimator::{ray_alpha_seed};
@@ -20,7 +20,7 @@ fn trace_closest_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     store_hit(slot, hit);
     var shading_class = CLASS_MISS;
     if hit.instance != NONE {
-        shading_class = triangles[hit.triangle].shading_class;
+        shading_class = triangles[hit.triangle].flags & TRIANGLE_CLASS;
     }
     queue_class(slot, shading_class);
 }

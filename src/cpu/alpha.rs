@@ -1,36 +1,20 @@
-//! Which hits count: culling of back faces, alpha masks and alpha blending, decided while tracing.
+//! Which hits count: alpha masks and alpha blending, decided while tracing.
 
 use super::attributes::{attribute_color, attribute_texcoord};
 use super::rng::{hash_combine, unit_from_bits};
 use super::texture::texture_sample;
 use crate::pack::Packed;
-use crate::shared::{
-    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_TRANSMISSIVE,
-};
+use crate::shared::{MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK};
 use glam::DVec2;
 
-/// Whether the surface is there at this point, seen from its front or its back.
+/// Whether a masked or blended surface is there at this point, for the ray of this seed.
 pub fn is_visible(
     packed: &Packed,
     triangle_index: u32,
     instance_index: u32,
     barycentrics: DVec2,
-    front: bool,
     alpha_seed: u32,
 ) -> bool {
-    if front && packed.frame.has_alpha == 0 {
-        return true;
-    }
-    let material_index = packed.triangles[triangle_index as usize].material;
-    let material = &packed.materials[material_index as usize];
-    // glTF 2.0 section 3.9.6: back faces are culled unless double-sided. What light goes through has
-    // to be met from inside as well.
-    if !front && material.flags & (MATERIAL_DOUBLE_SIDED | MATERIAL_TRANSMISSIVE) == 0 {
-        return false;
-    }
-    if material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND) == 0 {
-        return true;
-    }
     alpha_threshold(triangle_index, instance_index, alpha_seed)
         < coverage_at(packed, triangle_index, barycentrics)
 }

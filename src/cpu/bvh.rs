@@ -6,7 +6,7 @@ use super::ray::{Hit, Ray};
 use super::transform::{instance_at, normal_matrix, transform_translation, vector_in_object};
 use crate::bvh::STACK_SIZE;
 use crate::pack::Packed;
-use crate::shared::NONE;
+use crate::shared::{NONE, TRIANGLE_ALPHA, TRIANGLE_CULLED};
 use glam::{DVec2, UVec2};
 
 /// The nearest visible hit.
@@ -142,19 +142,15 @@ fn trace_levels<const INSTANCES: bool>(
                 let place = 31 - leaves.y.leading_zeros();
                 leaves.y &= !(1 << place);
                 let index = first_triangle + leaves.x + place;
-                let found = intersect_triangle(&local, &packed.triangles[index as usize]);
+                let triangle = &packed.triangles[index as usize];
+                let found = intersect_triangle(&local, triangle);
                 let barycentrics = DVec2::new(found.u, found.v);
                 if found.hit
                     && found.t > ray.t_min
                     && found.t < hit.t
-                    && is_visible(
-                        packed,
-                        index,
-                        instance,
-                        barycentrics,
-                        found.front,
-                        alpha_seed,
-                    )
+                    && (found.front || triangle.flags & TRIANGLE_CULLED == 0)
+                    && (triangle.flags & TRIANGLE_ALPHA == 0
+                        || is_visible(packed, index, instance, barycentrics, alpha_seed))
                 {
                     hit = Hit {
                         t: found.t,

@@ -1,6 +1,8 @@
 //! Finding and opening an adapter.
 
 use super::kernel::Kernel;
+use super::link::Value;
+use super::variant::Constants;
 use crate::pack::ARRAYS;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -15,6 +17,8 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     /// Whether kernels read the packed scene from storage textures: see `gpu::fetch`.
     pub arrays_in_textures: bool,
+    /// Whether the driver jumps over a branch that no lane takes: see `shaders/bvh.wgsl`.
+    pub skips_branches: bool,
     /// Whether kernels check each index and bound each loop, as debug builds let them, tests among them.
     pub checked: bool,
     /// What `open` was asked for, to open it again.
@@ -178,6 +182,7 @@ pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
         queue,
         arrays_in_textures: info.device_type == wgpu::DeviceType::Cpu
             && limits.max_storage_textures_per_shader_stage >= ARRAYS.len() as u32,
+        skips_branches: skips_branches(&info),
         checked: cfg!(debug_assertions),
         info,
         limits,
@@ -185,6 +190,14 @@ pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
         faults,
         kernels: Mutex::default(),
     })
+}
+
+/// llvmpipe of Mesa 22 carries out every branch for all lanes, that of Mesa 25 does not. Of those between,
+/// it is taken for granted, since to be wrong costs less so.
+fn skips_branches(info: &wgpu::AdapterInfo) -> bool {
+    let mesa = info.driver_info.strip_prefix("Mesa ");
+    let major = mesa.and_then(|version| version.split('.').next()?.parse::<u32>().ok());
+    info.driver != "llvmpipe" || major.is_some_and(|major| major >= 25)
 }
 
 impl Gpu {
@@ -203,6 +216,11 @@ impl Gpu {
         faults.into_iter().nth(lost.unwrap_or(0))
     }
 
+    /// What kernels may take for granted of the driver: see `shaders/variant.wgsl`.
+    pub fn constants(&self) -> Constants {
+        vec![("SKIPS_BRANCHES", Value::Bool(self.skips_branches))]
+    }
+
     /// How many of the renderer's kernels are compiled.
     pub fn kernel_count(&self) -> usize {
         self.kernels
@@ -214,9 +232,11 @@ impl Gpu {
     /// Opens the adapter anew, as after the loss of the device.
     pub fn reopen(&mut self) -> Result<(), DeviceError> {
         let (checked, arrays_in_textures) = (self.checked, self.arrays_in_textures);
+        let skips_branches = self.skips_branches;
         *self = open(self.wanted.as_deref())?;
         self.checked = checked;
         self.arrays_in_textures = arrays_in_textures;
+        self.skips_branches = skips_branches;
         Ok(())
     }
 }

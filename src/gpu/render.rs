@@ -203,7 +203,7 @@ fn prepare(
         .min(most)
         // At least one sample of a whole tile.
         .max(sampled);
-    let variants = Variants::of(packed, &scene.constants());
+    let variants = Variants::of(packed, &[scene.constants(), gpu.constants()].concat());
     let wavefront = Wavefront::new(gpu, scene, &variants, capacity as u32, width * height)?;
     if let Some(fault) = gpu.take_fault() {
         return Err(fault.into());

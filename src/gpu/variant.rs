@@ -4,7 +4,7 @@ use super::link::Value;
 use crate::pack::Packed;
 use crate::shared::{
     BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_TRANSMISSIVE, Material, NONE, Texture,
-    Triangle,
+    TRIANGLE_CLASS, Triangle,
 };
 
 /// Names and values of constants.
@@ -48,7 +48,7 @@ impl Variants {
 fn classes(packed: &Packed) -> impl Iterator<Item = u32> {
     let mut there = [false; CLASSES as usize];
     for triangle in &packed.triangles {
-        there[triangle.shading_class as usize] = true;
+        there[(triangle.flags & TRIANGLE_CLASS) as usize] = true;
     }
     (0..CLASSES).filter(move |&class| there[class as usize])
 }
@@ -78,7 +78,7 @@ pub fn constants(packed: &Packed) -> Constants {
 /// The constants of the kernel that shades the surfaces of one class.
 fn class_constants(packed: &Packed, class: u32) -> Constants {
     let all = used_materials(packed, |_| true);
-    let own = used_materials(packed, |triangle| triangle.shading_class == class);
+    let own = used_materials(packed, |triangle| triangle.flags & TRIANGLE_CLASS == class);
     let mut constants = vec![("SHADED_CLASS", Value::Uint(class))];
     constants.extend(scene_constants(packed, &all));
     constants.extend(material_constants(&own));

@@ -9,6 +9,7 @@ use crate::shared::{
     CLASS_OPAQUE, CLASS_OTHER, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH,
     MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE,
     MATERIAL_SPECULAR_GLOSSINESS, MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE, Material,
+    TRIANGLE_ALPHA, TRIANGLE_CULLED,
 };
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -101,6 +102,17 @@ fn is_lambertian(material: &Material) -> bool {
         && material.flags & MATERIAL_SPECULAR_GLOSSINESS == 0
         && material.metallic == 0.0
         && material.specular == 0.0
+}
+
+/// `Triangle.flags` of all that have this material.
+pub fn triangle_flags(material: &Material) -> u32 {
+    // glTF 2.0 section 3.9.6: back faces are culled unless double-sided. What light goes through has
+    // to be met from inside as well.
+    let culled = material.flags & (MATERIAL_DOUBLE_SIDED | MATERIAL_TRANSMISSIVE) == 0;
+    let alpha = material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND) != 0;
+    shading_class(material)
+        | if culled { TRIANGLE_CULLED } else { 0 }
+        | if alpha { TRIANGLE_ALPHA } else { 0 }
 }
 
 /// One of `CLASS_*`.

@@ -41,11 +41,11 @@ pub fn pack_mesh(
                 e1: (p1 - p0).to_array(),
                 vertex1: vertex[1],
                 e2: (p2 - p0).to_array(),
+                flags: 0, // known with the packed material
                 vertex2: vertex[2],
                 material: primitive.material as u32,
                 vertex_layout: layout.flags(),
                 primitive: number as u32,
-                shading_class: 0,
             });
             boxes.push(Bounds::of_points([p0, p1, p2].map(Vec3A::from)));
         }

@@ -187,9 +187,9 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
     if let Some(time) = geometry_time {
         *time = start.elapsed();
     }
-    let classes: Vec<u32> = materials.iter().map(material::shading_class).collect();
+    let flags: Vec<u32> = materials.iter().map(material::triangle_flags).collect();
     for triangle in &mut geometry.triangles {
-        triangle.shading_class = classes[triangle.material as usize];
+        triangle.flags = flags[triangle.material as usize];
     }
     let environment = scene
         .environment
