@@ -402,3 +402,34 @@ fn edges_are_the_filters_integral() {
         assert!(partly > 20, "{partly}");
     }
 }
+
+/// Alpha is looked up within the traversal or outside of it, as suits the driver; what is seen is the same,
+/// with all things in one level and in two.
+#[test]
+fn alpha_that_is_looked_up_later_shows_the_same() {
+    let mut soup = shapes::soup(&mut shapes::Random(5), 70, 1.0);
+    soup.primitives[0].material = 1;
+    let turned = |angle| shapes::instance(0, Affine3A::from_rotation_x(angle));
+    let mut scene = shapes::scene(vec![soup], [0.0, 1.0, 2.0].map(turned).to_vec());
+    let mut veil = shapes::material();
+    veil.emissive = Vec3::new(0.5, 0.2, 0.1);
+    veil.alpha_mode = AlphaMode::Blend;
+    if let Model::MetallicRoughness(m) = &mut veil.model {
+        m.base_color = Vec4::new(0.8, 0.5, 0.3, 0.2);
+    }
+    scene.materials.push(veil);
+    let mut view = shapes::view();
+    view.film_size = [24, 24];
+    let mut gpu = common::gpu();
+    for scene in [scene.clone(), shapes::two_levels(scene)] {
+        let packed = pack(&scene, &view).unwrap();
+        let settings = whole(&packed, 8);
+        let mut picture = |skips_branches| {
+            gpu.skips_branches = skips_branches;
+            on_gpu(&mut gpu, &packed, &settings)
+        };
+        let (later, at_once) = (picture(false), picture(true));
+        assert!(!at_once.is_black());
+        assert!(later == at_once);
+    }
+}

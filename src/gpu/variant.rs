@@ -3,8 +3,8 @@
 use super::link::Value;
 use crate::pack::Packed;
 use crate::shared::{
-    BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_TRANSMISSIVE, Material, NONE, Texture,
-    TRIANGLE_CLASS, Triangle,
+    BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_TRANSMISSIVE, Material, NONE,
+    TRIANGLE_CLASS, Texture, Triangle,
 };
 
 /// Names and values of constants.
