@@ -2,7 +2,7 @@
 // together from independently shuffled sets (Burley 2020, "Practical hash-based Owen scrambling",
 // section 3.4). The stream is a function of (pixel, sample, seed, calls so far) alone.
 
-import package::sobol::{sobol_dimension0, sobol_dimension1, owen_scramble};
+import package::sobol::{sobol_scrambled0, sobol_scrambled1, owen_scramble};
 
 struct Rng {
     pixel_seed: u32, // of the pixel and the picture's seed
@@ -31,7 +31,8 @@ fn rng_init(pixel: vec2<u32>, sample: u32, seed: u32) -> Rng {
 
 // A fraction of 24 bits, which float32 holds exactly; below 1.
 fn unit_from_bits(bits: u32) -> f32 {
-    return f32(bits >> 8u) * 0x1p-24f;
+    // By way of a signed number, which processors convert at once.
+    return f32(i32(bits >> 8u)) * 0x1p-24f;
 }
 
 // Uniform in [0, 1), a multiple of 2^-24.
@@ -39,7 +40,7 @@ fn next_1d(rng: ptr<function, Rng>) -> f32 {
     let seed = hash_combine((*rng).pixel_seed, (*rng).dimension);
     (*rng).dimension += 1u;
     let index = owen_scramble((*rng).index, seed);
-    return unit_from_bits(owen_scramble(sobol_dimension0(index), hash_u32(seed)));
+    return unit_from_bits(sobol_scrambled0(index, hash_u32(seed)));
 }
 
 // Uniform in [0, 1)^2, multiples of 2^-24.
@@ -50,7 +51,7 @@ fn next_2d(rng: ptr<function, Rng>) -> vec2<f32> {
     let seed_x = hash_u32(seed);
     let seed_y = hash_u32(seed_x);
     return vec2<f32>(
-        unit_from_bits(owen_scramble(sobol_dimension0(index), seed_x)),
-        unit_from_bits(owen_scramble(sobol_dimension1(index), seed_y)),
+        unit_from_bits(sobol_scrambled0(index, seed_x)),
+        unit_from_bits(sobol_scrambled1(index, seed_y)),
     );
 }

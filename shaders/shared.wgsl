@@ -58,9 +58,11 @@ const TRIANGLE_ALPHA: u32 = 8u;  // masked or blended: whether it is there, alph
 // their own.
 const CLASS_DIFFUSE: u32 = 0u; // Lambert, Oren-Nayar, unlit
 const CLASS_OPAQUE: u32 = 1u;  // glTF's dielectric and metal, without extensions' lobes
-const CLASS_OTHER: u32 = 2u;
-const CLASS_MISS: u32 = 3u;    // of rays that leave the scene
-const CLASSES: u32 = 4u;
+const CLASS_CLEAR: u32 = 2u;   // smooth glass: deltas alone, no light is chosen for it
+const CLASS_GLASS: u32 = 3u;   // other dielectrics that transmit, without further lobes
+const CLASS_OTHER: u32 = 4u;
+const CLASS_MISS: u32 = 5u;    // of rays that leave the scene
+const CLASSES: u32 = 6u;
 
 // `Texture.wrap`: wrap_s | wrap_t << 2; `Texture.format`; `Texture.filter`
 const WRAP_REPEAT: u32 = 0u;

@@ -7,16 +7,21 @@ fn sobol_dimension0(index: u32) -> u32 {
     return reverseBits(index);
 }
 
-// Sobol's second dimension. Its generator matrix is Pascal's triangle modulo 2, which is the
-// fivefold Kronecker power of [[1, 1], [0, 1]] and is applied one factor at a time.
+// Sobol's second dimension.
 fn sobol_dimension1(index: u32) -> u32 {
+    return reverseBits(sobol_reversed1(index));
+}
+
+// The same with its bits in reverse. The generator matrix is Pascal's triangle modulo 2, which is the
+// fivefold Kronecker power of [[1, 1], [0, 1]] and is applied one factor at a time.
+fn sobol_reversed1(index: u32) -> u32 {
     var x = index;
     x ^= x >> 16u;
     x ^= (x & 0xff00ff00u) >> 8u;
     x ^= (x & 0xf0f0f0f0u) >> 4u;
     x ^= (x & 0xccccccccu) >> 2u;
     x ^= (x & 0xaaaaaaaau) >> 1u;
-    return reverseBits(x);
+    return x;
 }
 
 // A permutation in which each bit depends on lower bits only: Laine and Karras 2011, "Stratified
@@ -37,4 +42,14 @@ fn laine_karras(bits: u32, seed: u32) -> u32 {
 // intervals into aligned intervals of the same size, hence keeps every stratification.
 fn owen_scramble(x: u32, seed: u32) -> u32 {
     return reverseBits(laine_karras(reverseBits(x), seed));
+}
+
+// sobol_dimension0 and sobol_dimension1, scrambled. Reversing twice is left out: it takes a driver without an
+// instruction for it twenty others.
+fn sobol_scrambled0(index: u32, seed: u32) -> u32 {
+    return reverseBits(laine_karras(index, seed));
+}
+
+fn sobol_scrambled1(index: u32, seed: u32) -> u32 {
+    return reverseBits(laine_karras(sobol_reversed1(index), seed));
 }

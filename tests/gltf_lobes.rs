@@ -335,6 +335,7 @@ fn only_materials_without_any_rough_lobe_are_deltas() {
 #[test]
 fn asked_at_once_a_lobe_answers_as_it_does_one_by_one() {
     use cpu::bsdf::bsdf::{bsdf_eval, bsdf_eval_and_sample, bsdf_sample};
+    use cpu::bsdf::lobe::EvalAndSample;
     let tables = tables();
     for roughness in [0.0, 0.4] {
         let lobes = [lobes(0.4), gltf_lobes(roughness), layered_lobes(roughness)];
@@ -345,7 +346,8 @@ fn asked_at_once_a_lobe_answers_as_it_does_one_by_one() {
                 for sides in 0..4 {
                     let wo = wo.with_z(wo.z * [1.0, -1.0][sides / 2]);
                     let wi = wi.with_z(wi.z * [1.0, -1.0][sides % 2]);
-                    let (eval, sample) = bsdf_eval_and_sample(&tables, &bsdf, wo, Some(wi), u);
+                    let EvalAndSample { eval, sample } =
+                        bsdf_eval_and_sample(&tables, &bsdf, wo, Some(wi), u);
                     let name = &lobe.name;
                     assert_eq!(eval, bsdf_eval(&tables, &bsdf, wo, wi), "{name} {wo} {wi}");
                     assert_eq!(

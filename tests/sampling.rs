@@ -12,7 +12,9 @@ use snell::cpu::camera::{camera_at, camera_ray};
 use snell::cpu::filter::*;
 use snell::cpu::rng::{hash_combine, hash_u32, next_1d, next_2d, rng_init};
 use snell::cpu::sample::*;
-use snell::cpu::sobol::{owen_scramble, sobol_dimension0, sobol_dimension1};
+use snell::cpu::sobol::{
+    owen_scramble, sobol_dimension0, sobol_dimension1, sobol_scrambled0, sobol_scrambled1,
+};
 use snell::shared::{CAMERA_ORTHOGRAPHIC, CAMERA_PERSPECTIVE, Camera};
 use std::f64::consts::{PI, TAU};
 
@@ -109,6 +111,22 @@ fn sobol_dimensions_follow_their_direction_numbers() {
         sobol_dimension1(a ^ b),
         sobol_dimension1(a) ^ sobol_dimension1(b)
     );
+}
+
+#[test]
+fn scrambled_dimensions_are_the_dimensions_scrambled() {
+    let mut uniform = Random(3);
+    for _ in 0..1000 {
+        let (i, seed) = (uniform.bits() as u32, uniform.bits() as u32);
+        assert_eq!(
+            sobol_scrambled0(i, seed),
+            owen_scramble(sobol_dimension0(i), seed)
+        );
+        assert_eq!(
+            sobol_scrambled1(i, seed),
+            owen_scramble(sobol_dimension1(i), seed)
+        );
+    }
 }
 
 #[test]

@@ -165,6 +165,12 @@ fn albedo_average_dielectric(roughness: f32, eta: f32) -> vec2<f32> {
     return vec2(clamp(E.x, 0.0, total), total);
 }
 
+// What a smooth boundary reflects of even light.
+fn albedo_average_smooth_dielectric(eta: f32) -> f32 {
+    let E = albedo_average_dielectric_at(0u, eta_stencil(eta_column(ALBEDO_AVERAGE_COS, 0.0, eta)));
+    return clamp(E.x, 0.0, 1.0);
+}
+
 fn albedo_sheen_entry(row: u32, column: u32) -> f32 {
     let index = row * ALBEDO_SHEEN_SIZE + column;
     let pair = unorm16_pair(tables.albedo_sheen[index / 8u][index / 2u % 4u]);

@@ -7,13 +7,13 @@
 // angle everything is reflected, whatever F90 says: light has nowhere else to go.
 
 import package::shared::{Bsdf, GLTF_TRANSMISSIVE, GLTF_THIN_WALLED};
-import package::variant::{TRANSMISSION};
+import package::variant::{TRANSMISSION, OPAQUE, THIN};
 import package::math::{sqr};
 import package::bsdf::lobe::{ETA_MATCHED, MIN_COS};
 import package::bsdf::fresnel::{F_dielectric, schlick_weight};
 import package::bsdf::specular::{is_totally_reflected};
 import package::bsdf::distribution::{is_smooth};
-import package::bsdf::albedo::{albedo_ggx, albedo_average_ggx, albedo_dielectric, albedo_average_dielectric};
+import package::bsdf::albedo::{albedo_ggx, albedo_average_ggx, albedo_dielectric, albedo_average_dielectric, albedo_average_smooth_dielectric};
 import package::bsdf::multiple_scattering::{F_multiple, T_multiple};
 
 // Of white light from one direction, or of even light: what facets reflect, what they let pass, and
@@ -27,12 +27,12 @@ struct Energy {
 // Whether the dielectric part has the exact Fresnel term. An index of 0 is glTF's word for "reflects
 // everything" and has no refraction: such a surface stays opaque.
 fn is_transmissive(bsdf: Bsdf) -> bool {
-    return TRANSMISSION && (bsdf.gltf.flags & GLTF_TRANSMISSIVE) != 0u && bsdf.eta.x > 0.0;
+    return !OPAQUE || (TRANSMISSION && (bsdf.gltf.flags & GLTF_TRANSMISSIVE) != 0u && bsdf.eta.x > 0.0);
 }
 
 // Whether light that is transmitted enters a medium, refracted.
 fn is_refractive(bsdf: Bsdf) -> bool {
-    return is_transmissive(bsdf) && (bsdf.gltf.flags & GLTF_THIN_WALLED) == 0u;
+    return is_transmissive(bsdf) && (!THIN || (bsdf.gltf.flags & GLTF_THIN_WALLED) == 0u);
 }
 
 // Whether light is transmitted as by a smooth boundary.
@@ -107,7 +107,11 @@ fn boundary_energy(bsdf: Bsdf, F0: vec3<f32>, eta: f32, white: vec2<f32>, plain:
 fn boundary_energy_at(bsdf: Bsdf, F0: vec3<f32>, eta: f32, roughness: f32, cos_theta: f32) -> Energy {
     var plain = vec2(0.0);
     if is_transmissive(bsdf) {
-        plain = albedo_dielectric(cos_theta, roughness, eta);
+        if is_smooth(bsdf) {
+            plain = vec2(F_dielectric(cos_theta, eta), 1.0);
+        } else {
+            plain = albedo_dielectric(cos_theta, roughness, eta);
+        }
     }
     return boundary_energy(bsdf, F0, eta, albedo_ggx(cos_theta, roughness, is_smooth(bsdf)), plain);
 }
@@ -120,21 +124,25 @@ fn boundary_energy_average(bsdf: Bsdf, F0: vec3<f32>, eta: f32, roughness: f32) 
     return boundary_energy(bsdf, F0, eta, albedo_average_ggx(roughness, is_smooth(bsdf)), plain);
 }
 
-// What smooth facets let pass of even light, reciprocal by construction: the denser side sees 1 / eta^2
-// of what the other sees (all of it that is not totally reflected).
-fn T_boundary_average(bsdf: Bsdf, F0: vec3<f32>, eta: f32) -> vec3<f32> {
+// What smooth facets let pass of even light that enters the denser side; 0 of an opaque surface.
+fn T_entering_average(bsdf: Bsdf, F0: vec3<f32>, eta: f32) -> vec3<f32> {
+    if !is_transmissive(bsdf) {
+        return vec3(0.0);
+    }
     let F90 = bsdf.gltf.F90;
     let dense = max(eta, 1.0 / eta);
-    let share = (1.0 - albedo_average_dielectric(0.0, dense).x) / (1.0 - F_normal(dense));
-    let entering = 1.0 - F90 + (F90 - F0) * share;
-    return entering * select(1.0, eta * eta, eta < 1.0 && is_refractive(bsdf));
+    let share = (1.0 - albedo_average_smooth_dielectric(dense)) / (1.0 - F_normal(dense));
+    return 1.0 - F90 + (F90 - F0) * share;
 }
 
 // The share of what is missing that comes back out by reflection at last; of an opaque surface the rest
-// is with the diffuse part below, of a transmissive one it is on the other side.
-fn boundary_returned(bsdf: Bsdf, F0: vec3<f32>, eta: f32, near: Energy, far: Energy) -> vec3<f32> {
+// is with the diffuse part below, of a transmissive one it is on the other side. `entering` is that of
+// T_entering_average; the denser side sees 1 / eta^2 of it (all of it that is not totally reflected), so that
+// what passes is reciprocal by construction.
+fn boundary_returned(bsdf: Bsdf, F0: vec3<f32>, entering: vec3<f32>, eta: f32, near: Energy, far: Energy) -> vec3<f32> {
     if is_transmissive(bsdf) {
-        return 1.0 - T_multiple(T_boundary_average(bsdf, F0, eta), near.missing, far.missing);
+        let T_average = entering * select(1.0, eta * eta, eta < 1.0 && is_refractive(bsdf));
+        return 1.0 - T_multiple(T_average, near.missing, far.missing);
     }
     let F_average = F0 + (bsdf.gltf.F90 - F0) / 21.0;
     return F_multiple(F_average, 1.0 - near.missing.x);

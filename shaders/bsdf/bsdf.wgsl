@@ -4,19 +4,25 @@
 // wi mirrored too; eta of a dielectric is always the far side's index over the near side's, seen from wo.
 
 import package::shared::{Bsdf, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION, BSDF_DIELECTRIC, BSDF_ROUGH_DIELECTRIC, BSDF_TORRANCE_SPARROW, BSDF_GLTF};
-import package::variant::{HAS_OREN_NAYAR, HAS_ROUGH_DIELECTRIC, HAS_TORRANCE_SPARROW, HAS_GLTF};
+import package::variant::{HAS_OREN_NAYAR, HAS_SPECULAR, HAS_ROUGH_DIELECTRIC, HAS_TORRANCE_SPARROW, HAS_GLTF, HAS_OTHER_MODELS};
 import package::sample::{sample_cosine_hemisphere, pdf_cosine_hemisphere};
-import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of, is_reflected, mirrored};
+import package::bsdf::lobe::{BsdfEval, BsdfSample, EvalAndSample, no_eval, no_sample, sample_of, is_reflected, mirrored};
 import package::bsdf::specular::{specular_reflection_sample, specular_transmission_sample};
 import package::bsdf::lambertian::{f_lambertian};
 import package::bsdf::oren_nayar::{f_oren_nayar, f_oren_nayar_eon};
 import package::bsdf::distribution::{is_smooth};
 import package::bsdf::torrance_sparrow::{torrance_sparrow_eval, torrance_sparrow_sample};
 import package::bsdf::dielectric::{is_smooth_dielectric, smooth_dielectric_sample, rough_dielectric_eval, rough_dielectric_sample};
-import package::bsdf::gltf::{gltf_is_delta, gltf_eval, gltf_sample, gltf_straight_transmittance};
+import package::bsdf::gltf::{gltf_is_delta, gltf_eval, gltf_sample, gltf_eval_and_sample, gltf_straight_transmittance};
 
 // Whether the model has nothing but deltas, so that no light can be sampled for it.
 fn bsdf_is_delta(bsdf: Bsdf) -> bool {
+    if HAS_GLTF && (!HAS_OTHER_MODELS || bsdf.model == BSDF_GLTF) {
+        return gltf_is_delta(bsdf);
+    }
+    if !HAS_SPECULAR && !HAS_ROUGH_DIELECTRIC && !HAS_TORRANCE_SPARROW {
+        return false;
+    }
     switch bsdf.model {
         case BSDF_SPECULAR_REFLECTION, BSDF_SPECULAR_TRANSMISSION, BSDF_DIELECTRIC: {
             return true;
@@ -26,9 +32,6 @@ fn bsdf_is_delta(bsdf: Bsdf) -> bool {
         }
         case BSDF_TORRANCE_SPARROW: {
             return is_smooth(bsdf);
-        }
-        case BSDF_GLTF: {
-            return HAS_GLTF && gltf_is_delta(bsdf);
         }
         default: {
             return false;
@@ -61,6 +64,14 @@ fn bsdf_eval_above(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
     if bsdf_is_delta(bsdf) {
         return no_eval();
     }
+    if HAS_GLTF && (!HAS_OTHER_MODELS || bsdf.model == BSDF_GLTF) {
+        return gltf_eval(bsdf, wo, wi);
+    }
+    return other_eval(bsdf, wo, wi);
+}
+
+// Of the models that are not glTF's.
+fn other_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
     switch bsdf.model {
         case BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON: {
             return diffuse_eval(bsdf, wo, wi);
@@ -74,12 +85,6 @@ fn bsdf_eval_above(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
         case BSDF_TORRANCE_SPARROW: {
             if HAS_TORRANCE_SPARROW {
                 return torrance_sparrow_eval(bsdf, wo, wi);
-            }
-            return no_eval();
-        }
-        case BSDF_GLTF: {
-            if HAS_GLTF {
-                return gltf_eval(bsdf, wo, wi);
             }
             return no_eval();
         }
@@ -97,18 +102,34 @@ fn bsdf_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
 }
 
 fn bsdf_sample_above(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
+    if HAS_GLTF && (!HAS_OTHER_MODELS || bsdf.model == BSDF_GLTF) {
+        return gltf_sample(bsdf, wo, u);
+    }
+    return other_sample(bsdf, wo, u);
+}
+
+fn other_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
     switch bsdf.model {
         case BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON: {
             let wi = sample_cosine_hemisphere(u.yz);
             return sample_of(wi, diffuse_eval(bsdf, wo, wi));
         }
         case BSDF_SPECULAR_REFLECTION: {
+            if !HAS_SPECULAR {
+                return no_sample();
+            }
             return specular_reflection_sample(bsdf, wo);
         }
         case BSDF_SPECULAR_TRANSMISSION: {
+            if !HAS_SPECULAR {
+                return no_sample();
+            }
             return specular_transmission_sample(bsdf, wo);
         }
         case BSDF_DIELECTRIC: {
+            if !HAS_SPECULAR {
+                return no_sample();
+            }
             return smooth_dielectric_sample(bsdf, wo, u.x);
         }
         case BSDF_ROUGH_DIELECTRIC: {
@@ -129,16 +150,28 @@ fn bsdf_sample_above(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
             }
             return torrance_sparrow_sample(bsdf, wo, u.yz);
         }
-        case BSDF_GLTF: {
-            if HAS_GLTF {
-                return gltf_sample(bsdf, wo, u);
-            }
-            return no_sample();
-        }
         default: { // BSDF_UNLIT
             return no_sample();
         }
     }
+}
+
+// bsdf_eval for wi, which is 0 where there is none, and bsdf_sample by u.
+fn bsdf_eval_and_sample(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>, u: vec3<f32>) -> EvalAndSample {
+    let below = wo.z < 0.0;
+    let wo_above = select(wo, mirrored(wo), below);
+    let wi_above = select(wi, mirrored(wi), below);
+    var both: EvalAndSample;
+    if HAS_GLTF && (!HAS_OTHER_MODELS || bsdf.model == BSDF_GLTF) {
+        both = gltf_eval_and_sample(bsdf, wo_above, wi_above, u);
+    } else {
+        if !bsdf_is_delta(bsdf) {
+            both.eval = other_eval(bsdf, wo_above, wi_above);
+        }
+        both.sample = other_sample(bsdf, wo_above, u);
+    }
+    both.sample.wi = select(both.sample.wi, mirrored(both.sample.wi), below);
+    return both;
 }
 
 // What of the light from straight behind the surface goes on to wo unbent: that of smooth thin walls, and

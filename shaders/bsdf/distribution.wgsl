@@ -2,6 +2,7 @@
 // the integral of D cos theta_m equal to 1.
 
 import package::shared::{Bsdf, DISTRIBUTION_BLINN, DISTRIBUTION_ASHIKHMIN_SHIRLEY, DISTRIBUTION_BECKMANN, DISTRIBUTION_GGX};
+import package::variant::{SMOOTH, ROUGH, ONLY_GGX};
 import package::math::{PI, INV_PI, sqr, exp_accurate, expm1_accurate, log1p_accurate, sincos_accurate};
 import package::bsdf::lobe::{MIN_COS, ALPHA_SMOOTH};
 
@@ -9,6 +10,10 @@ import package::bsdf::lobe::{MIN_COS, ALPHA_SMOOTH};
 const BECKMANN_FAR: f32 = 100.0;
 // See facet_alpha.
 const ANISOTROPIC_MARGIN: f32 = 0.28;
+
+fn is_ggx(bsdf: Bsdf) -> bool {
+    return ONLY_GGX || bsdf.distribution == DISTRIBUTION_GGX;
+}
 
 // The exponents of Blinn (twice the same) or Ashikhmin and Shirley.
 fn facet_exponents(bsdf: Bsdf) -> vec2<f32> {
@@ -20,7 +25,7 @@ fn facet_exponents(bsdf: Bsdf) -> vec2<f32> {
 // that of the Beckmann distribution with the same mean slope, which decides what they hide at grazing
 // angles (at equal peaks, as in Walter et al. 2007, 5.2, their white furnace exceeds 1 by up to 15 %).
 fn facet_alpha(bsdf: Bsdf) -> vec2<f32> {
-    if bsdf.distribution == DISTRIBUTION_BECKMANN || bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) || bsdf.distribution == DISTRIBUTION_BECKMANN {
         return max(bsdf.alpha, vec2(ALPHA_SMOOTH));
     }
     // cos^e has slopes distributed as (1 + r^2)^(-(e + 4) / 2), whose mean is that of Beckmann's with
@@ -36,7 +41,13 @@ fn facet_alpha(bsdf: Bsdf) -> vec2<f32> {
 // Whether a lobe with these facets is a delta. One narrow axis does not make it one: facet_alpha
 // widens that axis to ALPHA_SMOOTH.
 fn is_smooth(bsdf: Bsdf) -> bool {
-    if bsdf.distribution == DISTRIBUTION_BECKMANN || bsdf.distribution == DISTRIBUTION_GGX {
+    if !SMOOTH {
+        return false;
+    }
+    if !ROUGH {
+        return true;
+    }
+    if is_ggx(bsdf) || bsdf.distribution == DISTRIBUTION_BECKMANN {
         return max(bsdf.alpha.x, bsdf.alpha.y) < ALPHA_SMOOTH;
     }
     let e = select(min(bsdf.alpha.x, bsdf.alpha.y), bsdf.alpha.x, bsdf.distribution == DISTRIBUTION_BLINN);
@@ -98,6 +109,9 @@ fn D_ggx(wm: vec3<f32>, alpha: vec2<f32>) -> f32 {
 }
 
 fn facet_D(bsdf: Bsdf, wm: vec3<f32>) -> f32 {
+    if is_ggx(bsdf) {
+        return D_ggx(wm, facet_alpha(bsdf));
+    }
     switch bsdf.distribution {
         case DISTRIBUTION_BLINN: {
             return D_blinn(wm, facet_exponents(bsdf).x);
@@ -105,11 +119,8 @@ fn facet_D(bsdf: Bsdf, wm: vec3<f32>) -> f32 {
         case DISTRIBUTION_ASHIKHMIN_SHIRLEY: {
             return D_ashikhmin_shirley(wm, facet_exponents(bsdf));
         }
-        case DISTRIBUTION_BECKMANN: {
+        default: { // DISTRIBUTION_BECKMANN
             return D_beckmann(wm, facet_alpha(bsdf));
-        }
-        default: { // DISTRIBUTION_GGX
-            return D_ggx(wm, facet_alpha(bsdf));
         }
     }
 }

@@ -12,17 +12,17 @@
 // multiplied by 1 / eta^2. A medium behind diffuse transmission alone has no optical surface: no factor.
 
 import package::shared::{Bsdf, GLTF_INSIDE};
-import package::variant::{SHEEN, TRANSMISSION, DIFFUSE_TRANSMISSION, ANISOTROPY};
+import package::variant::{SHEEN, TRANSMISSION, DIFFUSE_TRANSMISSION, ANISOTROPY, METALS, DIELECTRICS, DIFFUSE};
 import package::math::{INV_PI, sqr, luminance};
 import package::sample::{sample_cosine_hemisphere, pdf_cosine_hemisphere};
-import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of, mirrored, is_reflected, is_transmitted, DELTA, MIN_COS};
+import package::bsdf::lobe::{BsdfEval, BsdfSample, EvalAndSample, no_eval, no_sample, sample_of, mirrored, is_reflected, is_transmitted, DELTA, MIN_COS};
 import package::bsdf::fresnel::{schlick_weight, T_dielectric};
 import package::bsdf::distribution::{is_smooth};
 import package::bsdf::specular::{reflection_direction};
 import package::bsdf::torrance_sparrow::{half_vector, mirror_sample, torrance_sparrow_shape};
 import package::bsdf::albedo::{albedo_ggx, albedo_average_ggx, albedo_sheen};
 import package::bsdf::multiple_scattering::{f_multiple, F_multiple};
-import package::bsdf::boundary::{Energy, is_transmissive, is_refractive, transmits_smoothly, boundary_weight, F_boundary, T_boundary, boundary_energy_at, boundary_energy_average, boundary_returned};
+import package::bsdf::boundary::{Energy, is_transmissive, is_refractive, transmits_smoothly, boundary_weight, F_boundary, T_boundary, T_entering_average, boundary_energy_at, boundary_energy_average, boundary_returned};
 import package::bsdf::transmission::{transmission_shape, transmission_sample};
 import package::bsdf::iridescence::{is_filmed, F_filmed, T_filmed, F0_filmed};
 import package::bsdf::coat::{is_coated, coat_facets, coat_albedo, coat_eval, coat_sample};
@@ -109,6 +109,17 @@ fn diffuse_transmission_share(bsdf: Bsdf) -> f32 {
     return select(0.0, bsdf.gltf.diffuse_transmission, DIFFUSE_TRANSMISSION);
 }
 
+// Whether the dielectric part has more than what its facets reflect and transmit at once: a diffuse part
+// below, or light that is left for multiple scattering.
+fn has_rest(bsdf: Bsdf) -> bool {
+    return !is_smooth(bsdf) || (DIFFUSE && transmission_share(bsdf) < 1.0);
+}
+
+// The index seen from the other side, on which transmitted light travels.
+fn eta_below(bsdf: Bsdf) -> f32 {
+    return select(bsdf.eta.x, 1.0 / bsdf.eta.x, is_refractive(bsdf));
+}
+
 // What passes the surface at last.
 fn passed_energy(energy: Energy, returned: vec3<f32>) -> vec3<f32> {
     return energy.transmitted + (1.0 - returned) * energy.missing;
@@ -119,8 +130,8 @@ fn metal_energy_of(F0: vec3<f32>, E: vec2<f32>, smooth_lobe: bool) -> Energy {
     return Energy(F0 * E.x + E.y, vec3(0.0), vec3(missing));
 }
 
-fn side_of(bsdf: Bsdf, F0: vec3<f32>, eta: f32, average: Energy, other: Energy) -> Side {
-    let returned = boundary_returned(bsdf, F0, eta, average, other);
+fn side_of(bsdf: Bsdf, F0: vec3<f32>, entering: vec3<f32>, eta: f32, average: Energy, other: Energy) -> Side {
+    let returned = boundary_returned(bsdf, F0, entering, eta, average, other);
     return Side(average, returned, passed_energy(average, returned));
 }
 
@@ -148,22 +159,29 @@ fn gltf_view(bsdf: Bsdf, wo: vec3<f32>) -> GltfView {
         view.metal_F0 = F0_filmed(F_filmed(bsdf, wo.z, F_metal(bsdf, wo.z)), 1.0, schlick_weight(wo.z));
     }
 
-    let near = boundary_energy_average(bsdf, view.F0, eta, roughness);
-    var far = near;
-    if is_refractive(bsdf) {
-        far = boundary_energy_average(bsdf, view.F0, 1.0 / eta, roughness);
+    // What has no part in the mixture is left at 0: it is only ever multiplied by its share.
+    if DIELECTRICS {
+        view.energy = boundary_energy_at(bsdf, view.F0, eta, roughness, wo.z);
+        if has_rest(bsdf) {
+            let entering = T_entering_average(bsdf, view.F0, eta);
+            let near = boundary_energy_average(bsdf, view.F0, eta, roughness);
+            var far = near;
+            if is_refractive(bsdf) {
+                far = boundary_energy_average(bsdf, view.F0, 1.0 / eta, roughness);
+            }
+            view.near = side_of(bsdf, view.F0, entering, eta, near, far);
+            view.far = view.near;
+            if is_refractive(bsdf) {
+                view.far = side_of(bsdf, view.F0, entering, 1.0 / eta, far, near);
+            }
+            view.passed = passed_energy(view.energy, view.near.returned);
+        }
     }
-    view.near = side_of(bsdf, view.F0, eta, near, far);
-    view.far = view.near;
-    if is_refractive(bsdf) {
-        view.far = side_of(bsdf, view.F0, 1.0 / eta, far, near);
+    if METALS {
+        view.metal_energy = metal_energy_of(view.metal_F0, albedo_ggx(wo.z, roughness, is_delta), is_delta);
+        view.metal_average = metal_energy_of(view.metal_F0, albedo_average_ggx(roughness, is_delta), is_delta);
+        view.metal_returned = F_multiple(view.metal_F0 + (1.0 - view.metal_F0) / 21.0, 1.0 - view.metal_average.missing.x);
     }
-    view.energy = boundary_energy_at(bsdf, view.F0, eta, roughness, wo.z);
-    view.passed = passed_energy(view.energy, view.near.returned);
-
-    view.metal_energy = metal_energy_of(view.metal_F0, albedo_ggx(wo.z, roughness, is_delta), is_delta);
-    view.metal_average = metal_energy_of(view.metal_F0, albedo_average_ggx(roughness, is_delta), is_delta);
-    view.metal_returned = F_multiple(view.metal_F0 + (1.0 - view.metal_F0) / 21.0, 1.0 - view.metal_average.missing.x);
 
     view.below_coat = 1.0;
     if is_coated(bsdf) {
@@ -213,6 +231,9 @@ fn gltf_view(bsdf: Bsdf, wo: vec3<f32>) -> GltfView {
 
 // Reflectance of the facets, dielectric and metal mixed.
 fn F_gltf(bsdf: Bsdf, cos_theta: f32) -> vec3<f32> {
+    if !METALS {
+        return F_filmed(bsdf, cos_theta, F_boundary(bsdf, cos_theta));
+    }
     let dielectric = F_filmed(bsdf, cos_theta, F_boundary(bsdf, cos_theta));
     return mix(dielectric, F_filmed(bsdf, cos_theta, F_metal(bsdf, cos_theta)), bsdf.gltf.metallic);
 }
@@ -223,20 +244,27 @@ fn T_gltf(bsdf: Bsdf, cos_theta: f32, T: f32) -> vec3<f32> {
     return (1.0 - bsdf.gltf.metallic) * transmission_share(bsdf) * bsdf.reflectance * facet;
 }
 
-// All that is reflected above and is no delta, and the density of it.
-fn gltf_reflection(bsdf: Bsdf, view: GltfView, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
+// All that is reflected above and is no delta, and the density of it. `energy` is the dielectric's of wi.
+fn gltf_reflection(bsdf: Bsdf, view: GltfView, energy: Energy, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
     let g = bsdf.gltf;
     let is_delta = is_smooth(bsdf);
     let dielectric = 1.0 - g.metallic;
-    let energy = boundary_energy_at(bsdf, view.F0, bsdf.eta.x, view.roughness, wi.z);
-    let passed = passed_energy(energy, view.near.returned);
-    let diffuse = bsdf.reflectance * (dielectric * (1.0 - transmission_share(bsdf)) * (1.0 - diffuse_transmission_share(bsdf)));
-    var f = diffuse * INV_PI * (view.passed * passed / max(view.near.passed, vec3(PASSED_AVERAGE_MIN)));
+    var f = vec3(0.0);
     var pdf = view.p_above * pdf_cosine_hemisphere(wi.z);
+    if DIELECTRICS && DIFFUSE {
+        let passed = passed_energy(energy, view.near.returned);
+        let diffuse = bsdf.reflectance * (dielectric * (1.0 - transmission_share(bsdf)) * (1.0 - diffuse_transmission_share(bsdf)));
+        f += diffuse * INV_PI * (view.passed * passed / max(view.near.passed, vec3(PASSED_AVERAGE_MIN)));
+    }
     if !is_delta {
-        let metal_energy = metal_energy_of(view.metal_F0, albedo_ggx(wi.z, view.roughness, is_delta), is_delta);
-        f += dielectric * view.near.returned * f_multiple(view.energy.missing, energy.missing, view.near.average.missing)
-            + g.metallic * view.metal_returned * f_multiple(view.metal_energy.missing, metal_energy.missing, view.metal_average.missing);
+        if DIELECTRICS {
+            f += dielectric * view.near.returned * f_multiple(view.energy.missing, energy.missing, view.near.average.missing);
+        }
+        if METALS {
+            let metal_energy = metal_energy_of(view.metal_F0, albedo_ggx(wi.z, view.roughness, is_delta), is_delta);
+            f += g.metallic * view.metal_returned
+                * f_multiple(view.metal_energy.missing, metal_energy.missing, view.metal_average.missing);
+        }
         let base_wo = anisotropy_from_local(bsdf, wo);
         let base_wi = anisotropy_from_local(bsdf, wi);
         let wm = half_vector(base_wo, base_wi);
@@ -257,23 +285,20 @@ fn gltf_reflection(bsdf: Bsdf, view: GltfView, wo: vec3<f32>, wi: vec3<f32>) -> 
     return BsdfEval(f, pdf);
 }
 
-// All that comes from below and is no delta, and the density of it.
-fn gltf_transmission(bsdf: Bsdf, view: GltfView, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
+// All that comes from below and is no delta, and the density of it. `energy` is the dielectric's of wi.
+fn gltf_transmission(bsdf: Bsdf, view: GltfView, energy: Energy, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
     let g = bsdf.gltf;
     let dielectric = 1.0 - g.metallic;
-    var eta_far = bsdf.eta.x;
-    var radiance = 1.0;
-    if is_refractive(bsdf) {
-        eta_far = 1.0 / bsdf.eta.x;
-        radiance = sqr(eta_far);
-    }
-    let energy = boundary_energy_at(bsdf, view.F0, eta_far, view.roughness, -wi.z);
-    let passed = passed_energy(energy, view.far.returned);
-    // Both averages are the same but for eta^2, within the tables' precision: their mean is reciprocal.
-    let passed_average = sqrt(view.near.passed * view.far.passed * radiance);
-    let diffuse = g.diffuse_transmission_color * (dielectric * (1.0 - transmission_share(bsdf)) * diffuse_transmission_share(bsdf));
-    var f = diffuse * (INV_PI * radiance) * (view.passed * passed / max(passed_average, vec3(PASSED_AVERAGE_MIN)));
+    let radiance = select(1.0, sqr(eta_below(bsdf)), is_refractive(bsdf));
+    var f = vec3(0.0);
     var pdf = view.p_below * pdf_cosine_hemisphere(-wi.z);
+    if DIFFUSE_TRANSMISSION {
+        let passed = passed_energy(energy, view.far.returned);
+        // Both averages are the same but for eta^2, within the tables' precision: their mean is reciprocal.
+        let passed_average = sqrt(view.near.passed * view.far.passed * radiance);
+        let diffuse = g.diffuse_transmission_color * (dielectric * (1.0 - transmission_share(bsdf)) * diffuse_transmission_share(bsdf));
+        f += diffuse * (INV_PI * radiance) * (view.passed * passed / max(passed_average, vec3(PASSED_AVERAGE_MIN)));
+    }
     if is_transmissive(bsdf) && !transmits_smoothly(bsdf) {
         f += bsdf.reflectance * (dielectric * transmission_share(bsdf) * radiance) * (1.0 - view.near.returned)
             * f_multiple(view.energy.missing, energy.missing, view.far.average.missing);
@@ -285,11 +310,17 @@ fn gltf_transmission(bsdf: Bsdf, view: GltfView, wo: vec3<f32>, wi: vec3<f32>) -
 }
 
 fn gltf_eval_view(bsdf: Bsdf, view: GltfView, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
+    var energy: Energy;
+    if DIELECTRICS {
+        // Looked up once for both sides.
+        let eta = select(bsdf.eta.x, eta_below(bsdf), wi.z < 0.0);
+        energy = boundary_energy_at(bsdf, view.F0, eta, view.roughness, abs(wi.z));
+    }
     if is_reflected(wo, wi) {
-        return gltf_reflection(bsdf, view, wo, wi);
+        return gltf_reflection(bsdf, view, energy, wo, wi);
     }
     if (TRANSMISSION || DIFFUSE_TRANSMISSION) && is_transmitted(wo, wi) {
-        return gltf_transmission(bsdf, view, wo, wi);
+        return gltf_transmission(bsdf, view, energy, wo, wi);
     }
     return no_eval();
 }
@@ -302,12 +333,22 @@ fn gltf_eval(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
     return gltf_eval_view(bsdf, gltf_view(bsdf, wo), wo, wi);
 }
 
-// A way to sample by u.x, a direction in it by u.yz. What is drawn has f if it is a delta.
+// A way to sample by u.x, a direction in it by u.yz.
 fn gltf_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
     if wo.z < MIN_COS {
         return no_sample();
     }
     let view = gltf_view(bsdf, wo);
+    let drawn = gltf_draw(bsdf, view, wo, u);
+    if drawn.delta != 0u || drawn.pdf == 0.0 {
+        return drawn;
+    }
+    return sample_of(drawn.wi, gltf_eval_view(bsdf, view, wo, drawn.wi));
+}
+
+// The same direction, of a delta with f. What is no delta has f and its density, which is not 0 yet, from
+// gltf_eval_view.
+fn gltf_draw(bsdf: Bsdf, view: GltfView, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
     let base = view.below_coat * view.below_sheen;
     var drawn = no_sample();
     let coat_end = view.p_coat;
@@ -334,20 +375,40 @@ fn gltf_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec3<f32>) -> BsdfSample {
         let wi = sample_cosine_hemisphere(u.yz);
         drawn = BsdfSample(select(mirrored(wi), wi, u.x < above_end), vec3(0.0), view.p_above + view.p_below, 0u);
     }
-    if drawn.delta != 0u || drawn.pdf == 0.0 {
-        return drawn;
-    }
     // A facet may send the reflected ray below the horizon, where it is nobody's sample.
-    if u.x < reflection_end && drawn.wi.z < MIN_COS {
+    if drawn.delta == 0u && u.x < reflection_end && drawn.wi.z < MIN_COS {
         return no_sample();
     }
-    return sample_of(drawn.wi, gltf_eval_view(bsdf, view, wo, drawn.wi));
+    return drawn;
+}
+
+// gltf_eval for wi, which may be 0, and gltf_sample by u. What does not depend on wi is made once for both.
+fn gltf_eval_and_sample(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>, u: vec3<f32>) -> EvalAndSample {
+    var both = EvalAndSample(no_eval(), no_sample());
+    if wo.z < MIN_COS {
+        return both;
+    }
+    let view = gltf_view(bsdf, wo);
+    both.sample = gltf_draw(bsdf, view, wo, u);
+    if gltf_is_delta(bsdf) {
+        return both;
+    }
+    // In a loop, since a driver puts a copy of all lobes in the place of each call.
+    for (var i = 0; i < 2; i++) {
+        let eval = gltf_eval_view(bsdf, view, wo, select(both.sample.wi, wi, i == 0));
+        if i == 0 {
+            both.eval = eval;
+        } else if both.sample.delta == 0u && both.sample.pdf > 0.0 {
+            both.sample = sample_of(both.sample.wi, eval);
+        }
+    }
+    return both;
 }
 
 // Whether there is nothing but deltas, whatever wo is.
 fn gltf_is_delta(bsdf: Bsdf) -> bool {
     let g = bsdf.gltf;
-    let is_diffuse = g.metallic < 1.0 && transmission_share(bsdf) < 1.0;
+    let is_diffuse = DIFFUSE && g.metallic < 1.0 && transmission_share(bsdf) < 1.0;
     let coat_is_rough = is_coated(bsdf) && !is_smooth(coat_facets(bsdf));
     return is_smooth(bsdf) && !is_diffuse && !coat_is_rough && !is_sheened(bsdf);
 }

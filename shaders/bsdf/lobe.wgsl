@@ -30,6 +30,12 @@ struct BsdfSample {
     delta: u32,
 }
 
+// For one direction that is given, and for one that is drawn.
+struct EvalAndSample {
+    eval: BsdfEval,
+    sample: BsdfSample,
+}
+
 fn no_eval() -> BsdfEval {
     return BsdfEval(vec3(0.0), 0.0);
 }

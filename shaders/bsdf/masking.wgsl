@@ -1,9 +1,10 @@
 // How much of a facet is hidden: from the viewer, from the light.
 
-import package::shared::{Bsdf, DISTRIBUTION_GGX, MASKING_V_CAVITY, MASKING_SMITH};
+import package::shared::{Bsdf, MASKING_V_CAVITY, MASKING_SMITH};
+import package::variant::{ONLY_SMITH};
 import package::math::{sqr, exp_accurate};
 import package::erf::{SQRT_PI, erfc_accurate, erfcx_accurate};
-import package::bsdf::distribution::{facet_alpha};
+import package::bsdf::distribution::{is_ggx, facet_alpha};
 
 // Smith's Lambda of GGX.
 fn Lambda_ggx(w: vec3<f32>, alpha: vec2<f32>) -> f32 {
@@ -25,7 +26,7 @@ fn Lambda_beckmann(w: vec3<f32>, alpha: vec2<f32>) -> f32 {
 }
 
 fn facet_Lambda(bsdf: Bsdf, w: vec3<f32>) -> f32 {
-    if bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) {
         return Lambda_ggx(w, facet_alpha(bsdf));
     }
     // Blinn, Ashikhmin and Shirley: by their Beckmann equivalent, as Walter et al. 2007, 5.2.
@@ -54,12 +55,12 @@ fn G2_v_cavity(wo: vec3<f32>, wi: vec3<f32>, wm: vec3<f32>, cos_o: f32, cos_i: f
 }
 
 fn facet_G2(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>, wm: vec3<f32>, cos_o: f32, cos_i: f32) -> f32 {
+    if ONLY_SMITH || bsdf.masking == MASKING_SMITH {
+        return G2_smith(bsdf, wo, wi);
+    }
     switch bsdf.masking {
         case MASKING_V_CAVITY: {
             return G2_v_cavity(wo, wi, wm, cos_o, cos_i);
-        }
-        case MASKING_SMITH: {
-            return G2_smith(bsdf, wo, wi);
         }
         default: { // MASKING_NONE, the lecture's derivation
             return 1.0;

@@ -1,10 +1,10 @@
 // Mirror facets: f = F(wi . wm) D(wm) G / (4 cos theta_o cos theta_i).
 
-import package::shared::{Bsdf, DISTRIBUTION_BECKMANN, DISTRIBUTION_GGX};
+import package::shared::{Bsdf, DISTRIBUTION_BECKMANN};
 import package::bsdf::lobe::{BsdfEval, BsdfSample, no_eval, no_sample, sample_of, is_reflected, MIN_COS};
 import package::bsdf::fresnel::{fresnel_F};
 import package::bsdf::specular::{reflection_direction};
-import package::bsdf::distribution::{facet_D, facet_alpha, facet_exponents, sample_exponential};
+import package::bsdf::distribution::{is_ggx, facet_D, facet_alpha, facet_exponents, sample_exponential};
 import package::bsdf::visible_normal::{sample_visible_ggx, sample_visible_beckmann, sample_bounded_visible_ggx, pdf_bounded_visible_ggx};
 import package::bsdf::masking::{facet_G2, G1_smith};
 
@@ -28,7 +28,7 @@ fn half_vector_jacobian(cos_m: f32) -> f32 {
 
 // Density of facet_sample, per solid angle of wm; cos_o is the cosine between wm and wo.
 fn facet_pdf(bsdf: Bsdf, wo: vec3<f32>, wm: vec3<f32>, cos_o: f32) -> f32 {
-    if bsdf.distribution == DISTRIBUTION_BECKMANN || bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) || bsdf.distribution == DISTRIBUTION_BECKMANN {
         return G1_smith(bsdf, wo) * facet_D(bsdf, wm) * cos_o / wo.z;
     }
     return facet_D(bsdf, wm) * max(wm.z, 0.0);
@@ -36,7 +36,7 @@ fn facet_pdf(bsdf: Bsdf, wo: vec3<f32>, wm: vec3<f32>, cos_o: f32) -> f32 {
 
 // A facet normal: of the visible ones where the distribution has them in closed form.
 fn facet_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
-    if bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) {
         return sample_visible_ggx(wo, facet_alpha(bsdf), u);
     }
     if bsdf.distribution == DISTRIBUTION_BECKMANN {
@@ -47,7 +47,7 @@ fn facet_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
 
 // Density of mirror_sample's mirrored direction, per its own solid angle.
 fn mirror_pdf(bsdf: Bsdf, wo: vec3<f32>, wm: vec3<f32>, cos_m: f32) -> f32 {
-    if bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) {
         return pdf_bounded_visible_ggx(wo, facet_alpha(bsdf), facet_D(bsdf, wm));
     }
     return facet_pdf(bsdf, wo, wm, cos_m) * half_vector_jacobian(cos_m);
@@ -55,7 +55,7 @@ fn mirror_pdf(bsdf: Bsdf, wo: vec3<f32>, wm: vec3<f32>, cos_m: f32) -> f32 {
 
 // A facet normal for those who only reflect there.
 fn mirror_sample(bsdf: Bsdf, wo: vec3<f32>, u: vec2<f32>) -> vec3<f32> {
-    if bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) {
         return sample_bounded_visible_ggx(wo, facet_alpha(bsdf), u);
     }
     return facet_sample(bsdf, wo, u);

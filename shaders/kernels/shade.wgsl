@@ -12,11 +12,11 @@ import package::surface::{Surface, surface_at};
 import package::material::{bsdf_at, Le_surface};
 import package::light::light::{LightSample, light_sample, light_pdf_triangle};
 import package::light::tree::{light_share};
-import package::bsdf::bsdf::{bsdf_eval, bsdf_sample, bsdf_is_delta};
+import package::bsdf::bsdf::{bsdf_eval_and_sample, bsdf_is_delta};
 import package::bsdf::lobe::{DELTA_STRAIGHT};
 import package::medium::{interface_at, media_ior, media_near, media_far, transmittance};
 import package::spectrum::{sample_wavelength, wavelength_weight};
-import package::variant::{MEDIA, BOUNDARIES, DISPERSION, THIN_WALLS};
+import package::variant::{MEDIA, BOUNDARIES, DISPERSION, EMISSION, THIN_WALLS};
 import package::estimator::{power_heuristic, roulette_probability, bounce_dimension, sides_agree, DIMENSION_LIGHT, DIMENSION_BSDF, DIMENSION_ROULETTE, DIMENSION_WAVELENGTH, ROULETTE_START, SHADOW_SHORTENING};
 
 @compute @workgroup_size(WORKGROUP)
@@ -37,8 +37,11 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
         path.beta *= transmittance(path.media, hit.t - path.ray.t_min);
     }
 
-    let Le = Le_surface(material, surface);
-    if any(Le > vec3(0.0)) {
+    var Le = vec3(0.0);
+    if EMISSION {
+        Le = Le_surface(material, surface);
+    }
+    if EMISSION && any(Le > vec3(0.0)) {
         var weight = 1.0;
         if !path.delta {
             let cos_light = abs(dot(surface.ng, path.ray.direction));
@@ -80,32 +83,38 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
 
     let bsdf = bsdf_at(material, surface, eta);
     let wo = to_local(surface.basis, -path.ray.direction);
-    if frame.light_weight_total > 0.0 && !bsdf_is_delta(bsdf) {
+    var light: LightSample;
+    var wi_light = vec3(0.0);
+    if !bsdf_is_delta(bsdf) {
         rng.dimension = bounce_dimension(path.bounce, DIMENSION_LIGHT);
         let u_pick = next_1d(&rng);
-        let light = light_sample(surface.p, u_pick, next_2d(&rng), path.ray.time);
+        light = light_sample(surface.p, u_pick, next_2d(&rng), path.ray.time);
         let wi = to_local(surface.basis, light.wi);
         if light.pdf > 0.0 && sides_agree(wi, dot(light.wi, surface.ng)) {
-            let eval = bsdf_eval(bsdf, wo, wi);
-            let weight = select(power_heuristic(light.pdf, eval.pdf), 1.0, light.delta != 0u);
-            var L = path.beta * eval.f * abs(wi.z) * light.Le * (weight / light.pdf);
-            var ior = 1.0;
-            if MEDIA {
-                let along = select(path.media, far, wi.z < 0.0);
-                L *= transmittance(along, light.distance);
-                ior = media_ior(along, path.wavelength);
-            }
-            if any(L != vec3(0.0)) {
-                let origin = offset_origin(surface.p, surface.ng, light.wi, surface.p_error);
-                let t_max = light.distance * (1.0 - SHADOW_SHORTENING);
-                queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max, path.ray.time), L, ior);
-            }
+            wi_light = wi;
+        }
+    }
+    rng.dimension = bounce_dimension(path.bounce, DIMENSION_BSDF);
+    let u_lobe = next_1d(&rng);
+    let both = bsdf_eval_and_sample(bsdf, wo, wi_light, vec3(u_lobe, next_2d(&rng)));
+    if !bsdf_is_delta(bsdf) && any(both.eval.f != vec3(0.0)) {
+        let eval = both.eval;
+        let weight = select(power_heuristic(light.pdf, eval.pdf), 1.0, light.delta != 0u);
+        var L = path.beta * eval.f * abs(wi_light.z) * light.Le * (weight / light.pdf);
+        var ior = 1.0;
+        if MEDIA {
+            let along = select(path.media, far, wi_light.z < 0.0);
+            L *= transmittance(along, light.distance);
+            ior = media_ior(along, path.wavelength);
+        }
+        if any(L != vec3(0.0)) {
+            let origin = offset_origin(surface.p, surface.ng, light.wi, surface.p_error);
+            let t_max = light.distance * (1.0 - SHADOW_SHORTENING);
+            queue_shadow_ray(slot, path.bounce, Ray(origin, 0.0, light.wi, t_max, path.ray.time), L, ior);
         }
     }
 
-    rng.dimension = bounce_dimension(path.bounce, DIMENSION_BSDF);
-    let u_lobe = next_1d(&rng);
-    let sample = bsdf_sample(bsdf, wo, vec3(u_lobe, next_2d(&rng)));
+    let sample = both.sample;
     let wi = to_world(surface.basis, sample.wi);
     if sample.pdf == 0.0 || !sides_agree(sample.wi, dot(wi, surface.ng)) {
         return;

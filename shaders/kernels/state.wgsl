@@ -24,8 +24,8 @@ const PLANE_SHADOW_DIRECTION: u32 = 7u; // direction, bounce
 const PLANE_SHADOW_LIGHT: u32 = 8u;   // what arrives if nothing is in the way, index of the medium
 const PLANE_QUEUES: u32 = 9u;         // x, y: paths to go on with, in turn; z: shadow rays
 const PLANE_MEDIA: u32 = 10u;         // media that the path is in, wavelength
-const PLANE_CLASSES: u32 = 11u;       // paths to shade, a component for each class
-const PLANES: u32 = 12u;
+const PLANE_CLASSES: u32 = 11u;       // and 12: paths to shade, a component for each class
+const PLANES: u32 = 13u;
 
 const COUNTER_PATHS: u32 = 0u;        // and 1: length of queue x and of queue y
 const COUNTER_SHADOW: u32 = 2u;
@@ -149,7 +149,7 @@ fn queued_path(place: u32) -> u32 {
 // Puts a path whose ray has been traced in the queue of those that are shaded alike.
 fn queue_class(slot: u32, shading_class: u32) {
     let place = atomicAdd(&counters[COUNTER_CLASSES + shading_class], 1u);
-    paths[plane(PLANE_CLASSES, place)][shading_class] = slot;
+    paths[plane(PLANE_CLASSES + shading_class / 4u, place)][shading_class % 4u] = slot;
 }
 
 // The slot at a place of the queue of this kernel's class; NONE past its end.
@@ -157,7 +157,7 @@ fn queued_of_class(place: u32) -> u32 {
     if place >= atomicLoad(&counters[COUNTER_CLASSES + SHADED_CLASS]) {
         return NONE;
     }
-    return paths[plane(PLANE_CLASSES, place)][SHADED_CLASS];
+    return paths[plane(PLANE_CLASSES + SHADED_CLASS / 4u, place)][SHADED_CLASS % 4u];
 }
 
 // Puts a path in the queue that the next bounce reads.

@@ -3,6 +3,7 @@
 // the map's rotation about +y is taken back. A density over (u, v) becomes one per solid angle by
 // d omega = 2 pi^2 sin(theta) du dv.
 
+import package::variant::{ENVIRONMENT};
 import package::math::{PI, INV_PI, sqr, sincos_accurate, atan2_accurate};
 import package::bindings::{frame, environment, environment_cells};
 
@@ -40,7 +41,7 @@ fn environment_texel(x: i32, y: i32) -> vec3<f32> {
 
 // Radiance that arrives from direction d, filtered bilinearly between texel centres.
 fn Le_environment(d: vec3<f32>) -> vec3<f32> {
-    if frame.environment_strength == 0.0 {
+    if !ENVIRONMENT || frame.environment_strength == 0.0 {
         return vec3<f32>(0.0);
     }
     let place = environment_uv(d) * vec2<f32>(frame.environment_size) - 0.5;

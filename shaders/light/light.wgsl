@@ -1,7 +1,7 @@
 // The choice of a light and of a point on it, for next-event estimation.
 
 import package::shared::{LIGHT_TRIANGLE, LIGHT_ENVIRONMENT, LIGHT_DIRECTIONAL, LIGHT_CLUSTER};
-import package::variant::{LIGHT_TREE};
+import package::variant::{LIGHT_TREE, MANY_LIGHTS, HAS_TRIANGLE_LIGHTS, HAS_ENVIRONMENT_LIGHT, HAS_DIRECTIONAL_LIGHTS, HAS_POINT_LIGHTS};
 import package::rng::{hash_combine};
 import package::math::{normalize_accurate};
 import package::sample::{sample_triangle};
@@ -41,6 +41,9 @@ struct LightPick {
 // The 24 bits of u_pick are too few to choose among many lights and then compare with a
 // threshold, so eight more come from a hash of all three numbers.
 fn light_pick(u_pick: f32, u: vec2<f32>) -> LightPick {
+    if !MANY_LIGHTS {
+        return LightPick(0u, u_pick);
+    }
     let pick = u32(u_pick * 0x1p24f);
     let hash = hash_combine(hash_combine(pick, u32(u.x * 0x1p24f)), u32(u.y * 0x1p24f));
     let word = (pick << 8u) | (hash >> 24u);
@@ -81,7 +84,7 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
         light = lights[leaf.index];
         share /= light.weight;
     }
-    if light.kind == LIGHT_ENVIRONMENT {
+    if HAS_ENVIRONMENT_LIGHT && light.kind == LIGHT_ENVIRONMENT {
         let direction_pdf = environment_sample(u);
         result.wi = direction_pdf.xyz;
         result.distance = LIGHT_DISTANCE_INFINITE;
@@ -89,7 +92,7 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
         result.pdf = direction_pdf.w * (light.weight * share);
         return result;
     }
-    if light.kind == LIGHT_DIRECTIONAL {
+    if HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL {
         result.wi = -light.direction;
         result.distance = LIGHT_DISTANCE_INFINITE;
         result.Le = light.radiance;
@@ -97,12 +100,15 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
         result.delta = 1u;
         return result;
     }
-    if light.kind == LIGHT_TRIANGLE {
+    if !HAS_TRIANGLE_LIGHTS && !HAS_POINT_LIGHTS {
+        return result;
+    }
+    if HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE {
         light = light_at(light, time);
     }
     var target_point = light.position;
     let barycentrics = sample_triangle(u);
-    if light.kind == LIGHT_TRIANGLE {
+    if HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE {
         target_point += barycentrics.x * light.direction + barycentrics.y * light.edge2;
     }
     let to_light = target_point - p;
@@ -112,7 +118,7 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
     }
     result.wi = normalize_accurate(to_light);
     result.distance = distance;
-    if light.kind == LIGHT_TRIANGLE {
+    if HAS_TRIANGLE_LIGHTS && (!HAS_POINT_LIGHTS || light.kind == LIGHT_TRIANGLE) {
         let cos_light = cos_emission(light, -dot(result.wi, light_normal(light, time)));
         let emission_weight = materials[triangles[light.triangle].material].emission_weight;
         result.pdf = light_pdf_triangle(share, emission_weight, distance, cos_light);
@@ -130,7 +136,7 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
 // Density per solid angle, choice included, with which light_sample takes direction d to the
 // environment.
 fn light_pdf_environment(d: vec3<f32>) -> f32 {
-    if frame.light_weight_total <= 0.0 {
+    if !HAS_ENVIRONMENT_LIGHT || frame.light_weight_total <= 0.0 {
         return 0.0;
     }
     return environment_pdf(d) * (frame.environment_weight / frame.light_weight_total);

@@ -2,7 +2,7 @@
 //! The GPU's kernels (`shaders/kernels`) are the sentences of `Li` taken apart.
 
 use super::bsdf::bsdf::{bsdf_eval_and_sample, bsdf_is_delta};
-use super::bsdf::lobe::DELTA_STRAIGHT;
+use super::bsdf::lobe::{DELTA_STRAIGHT, EvalAndSample};
 use super::bvh::trace_closest;
 use super::estimator::*;
 use super::light::environment::Le_environment;
@@ -112,7 +112,7 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
         let u = next_2d(rng);
         let u = DVec3::new(u_lobe, u.x, u.y);
         let wi = light.map(|(_, wi)| wi);
-        let (eval, sample) = bsdf_eval_and_sample(&packed.tables, &bsdf, wo, wi, u);
+        let EvalAndSample { eval, sample } = bsdf_eval_and_sample(&packed.tables, &bsdf, wo, wi, u);
         if let Some((light, wi)) = light {
             let weight = match light.delta != 0 {
                 true => 1.0,

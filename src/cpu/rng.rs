@@ -2,7 +2,7 @@
 //! together from independently shuffled sets (Burley 2020, "Practical hash-based Owen scrambling",
 //! section 3.4). The stream is a function of (pixel, sample, seed, calls so far) alone.
 
-use crate::cpu::sobol::{owen_scramble, sobol_dimension0, sobol_dimension1};
+use crate::cpu::sobol::{owen_scramble, sobol_scrambled0, sobol_scrambled1};
 use glam::{DVec2, UVec2};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub fn next_1d(rng: &mut Rng) -> f64 {
     let seed = hash_combine(rng.pixel_seed, rng.dimension);
     rng.dimension = rng.dimension.wrapping_add(1);
     let index = owen_scramble(rng.index, seed);
-    unit_from_bits(owen_scramble(sobol_dimension0(index), hash_u32(seed)))
+    unit_from_bits(sobol_scrambled0(index, hash_u32(seed)))
 }
 
 /// Uniform in [0, 1)^2, multiples of 2^-24.
@@ -59,7 +59,7 @@ pub fn next_2d(rng: &mut Rng) -> DVec2 {
     let seed_x = hash_u32(seed);
     let seed_y = hash_u32(seed_x);
     DVec2::new(
-        unit_from_bits(owen_scramble(sobol_dimension0(index), seed_x)),
-        unit_from_bits(owen_scramble(sobol_dimension1(index), seed_y)),
+        unit_from_bits(sobol_scrambled0(index, seed_x)),
+        unit_from_bits(sobol_scrambled1(index, seed_y)),
     )
 }

@@ -7,16 +7,21 @@ pub fn sobol_dimension0(index: u32) -> u32 {
     index.reverse_bits()
 }
 
-/// Sobol's second dimension. Its generator matrix is Pascal's triangle modulo 2, which is the
-/// fivefold Kronecker power of [[1, 1], [0, 1]] and is applied one factor at a time.
+/// Sobol's second dimension.
 pub fn sobol_dimension1(index: u32) -> u32 {
+    sobol_reversed1(index).reverse_bits()
+}
+
+/// The same with its bits in reverse. The generator matrix is Pascal's triangle modulo 2, which is the
+/// fivefold Kronecker power of [[1, 1], [0, 1]] and is applied one factor at a time.
+pub fn sobol_reversed1(index: u32) -> u32 {
     let mut x = index;
     x ^= x >> 16;
     x ^= (x & 0xff00_ff00) >> 8;
     x ^= (x & 0xf0f0_f0f0) >> 4;
     x ^= (x & 0xcccc_cccc) >> 2;
     x ^= (x & 0xaaaa_aaaa) >> 1;
-    x.reverse_bits()
+    x
 }
 
 /// A permutation in which each bit depends on lower bits only: Laine and Karras 2011, "Stratified
@@ -37,4 +42,14 @@ pub fn laine_karras(bits: u32, seed: u32) -> u32 {
 /// intervals into aligned intervals of the same size, hence keeps every stratification.
 pub fn owen_scramble(x: u32, seed: u32) -> u32 {
     laine_karras(x.reverse_bits(), seed).reverse_bits()
+}
+
+/// `sobol_dimension0` and `sobol_dimension1`, scrambled. Reversing twice is left out: it takes a driver without
+/// an instruction for it twenty others.
+pub fn sobol_scrambled0(index: u32, seed: u32) -> u32 {
+    laine_karras(index, seed).reverse_bits()
+}
+
+pub fn sobol_scrambled1(index: u32, seed: u32) -> u32 {
+    laine_karras(sobol_reversed1(index), seed).reverse_bits()
 }

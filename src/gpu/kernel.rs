@@ -58,7 +58,7 @@ impl Kernel {
         Self::of_module(gpu, &linked.name, module, entry)
     }
 
-    /// One entry point of a validated module.
+    /// One entry point of a module.
     fn of_module(
         gpu: &Gpu,
         name: &str,
@@ -144,7 +144,12 @@ impl Kernel {
             let (module, _, constants) = alike[0];
             let start = Instant::now();
             let linked = link(&format!("kernels/{module}"))?.with_constants(constants);
-            let (parsed, _) = linked.validate()?;
+            // wgpu validates what is left of each entry point. The whole, which names our files and lines, is
+            // for those who change them.
+            let parsed = match cfg!(debug_assertions) {
+                true => linked.validate()?.0,
+                false => linked.parse()?,
+            };
             log::debug!("{module}: parsed in {:.1?}", start.elapsed());
             for (_, entry, _) in *alike {
                 let start = Instant::now();
@@ -208,7 +213,7 @@ fn shader_module(gpu: &Gpu, name: &str, module: naga::Module) -> wgpu::ShaderMod
     if gpu.checked {
         return gpu.device.create_shader_module(descriptor);
     }
-    // SAFETY: naga has validated the module. Its kernels index the arrays of `Packed`, whose indices
+    // SAFETY: wgpu has naga validate the module. Its kernels index the arrays of `Packed`, whose indices
     // `pack` makes itself from a checked scene and whose sizes `upload` keeps, tables by clamped places,
     // and state by slots below `frame.capacity`, for which the wavefront has made room. Every loop ends:
     // those of traversals with a stack that `bvh::MAX_DEPTH` bounds, the others after a number of steps

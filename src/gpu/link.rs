@@ -187,25 +187,21 @@ impl Linked {
         }
     }
 
-    /// Parses and validates with WebGPU's default capabilities, so that a fault is named by our own
-    /// file and line and found without an adapter.
-    pub fn validate(&self) -> Result<(naga::Module, naga::valid::ModuleInfo), ShaderError> {
-        let fault = |message: String| ShaderError {
-            name: self.name.clone(),
-            message,
-        };
-        let module = naga::front::wgsl::parse_str(&self.text).map_err(|error| {
+    /// Parses; a fault is named by our own file and line.
+    pub fn parse(&self) -> Result<naga::Module, ShaderError> {
+        naga::front::wgsl::parse_str(&self.text).map_err(|error| {
             // The first label that has a place: naga's own choice may be one that has none.
             let line = error
                 .labels()
                 .find(|(span, _)| span.to_range().is_some_and(|range| range.start > 0))
                 .map(|(span, _)| span.location(&self.text).line_number as usize);
-            fault(format!(
-                "{}{}",
-                self.place(line),
-                error.emit_to_string(&self.text)
-            ))
-        })?;
+            self.fault(line, error.emit_to_string(&self.text))
+        })
+    }
+
+    /// Parses and validates with WebGPU's default capabilities, so that faults are found without an adapter.
+    pub fn validate(&self) -> Result<(naga::Module, naga::valid::ModuleInfo), ShaderError> {
+        let module = self.parse()?;
         let info = naga::valid::Validator::new(
             naga::valid::ValidationFlags::all(),
             naga::valid::Capabilities::default(),
@@ -213,10 +209,16 @@ impl Linked {
         .validate(&module)
         .map_err(|error| {
             let line = error.location(&self.text).map(|l| l.line_number as usize);
-            let text = error.emit_to_string(&self.text);
-            fault(format!("{}{text}", self.place(line)))
+            self.fault(line, error.emit_to_string(&self.text))
         })?;
         Ok((module, info))
+    }
+
+    fn fault(&self, line: Option<usize>, message: String) -> ShaderError {
+        ShaderError {
+            name: self.name.clone(),
+            message: format!("{}{message}", self.place(line)),
+        }
     }
 
     /// "shaders/module.wgsl:line: " of a line of the linked text.

@@ -1,10 +1,11 @@
 //! What the kernels may take for granted of a scene: the values of `shaders/variant.wgsl`.
 
 use super::link::Value;
+use crate::cpu::bsdf::lobe::ALPHA_SMOOTH;
 use crate::pack::Packed;
 use crate::shared::{
-    BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_TRANSMISSIVE, Material, NONE,
-    TRIANGLE_CLASS, Texture, Triangle,
+    BSDF_GLTF, BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_SPECULAR_GLOSSINESS,
+    MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE, Material, NONE, TRIANGLE_CLASS, Texture, Triangle,
 };
 
 /// Names and values of constants.
@@ -82,6 +83,13 @@ fn class_constants(packed: &Packed, class: u32) -> Constants {
     let mut constants = vec![("SHADED_CLASS", Value::Uint(class))];
     constants.extend(scene_constants(packed, &all));
     constants.extend(material_constants(&own));
+    // A boundary to a medium with an index of 0, which reflects everything, is a mirror.
+    if all
+        .iter()
+        .any(|m| m.flags & MATERIAL_TRANSMISSIVE != 0 && m.ior <= 0.0)
+    {
+        constants.retain(|(name, _)| !["OPAQUE", "DIFFUSE"].contains(name));
+    }
     constants
 }
 
@@ -89,6 +97,8 @@ fn class_constants(packed: &Packed, class: u32) -> Constants {
 fn scene_constants(packed: &Packed, materials: &[&Material]) -> Constants {
     let some =
         |test: fn(&Material) -> bool| Value::Bool(materials.iter().any(|material| test(material)));
+    let kinds = packed.lights.iter().map(|light| 1 << light.kind);
+    let lights = kinds.fold(0, |all, kind| all | kind);
     vec![
         ("LENS", Value::Bool(packed.frame.camera.lens_radius > 0.0)),
         ("CAMERAS", Value::Uint(1 << packed.frame.camera.kind)),
@@ -100,6 +110,12 @@ fn scene_constants(packed: &Packed, materials: &[&Material]) -> Constants {
                     .iter()
                     .any(|light| light.kind == LIGHT_PROFILE),
             ),
+        ),
+        ("LIGHTS", Value::Uint(lights)),
+        ("MANY_LIGHTS", Value::Bool(packed.lights.len() > 1)),
+        (
+            "ENVIRONMENT",
+            Value::Bool(packed.frame.environment_strength != 0.0),
         ),
         ("INSTANCES", Value::Bool(packed.frame.mesh_root == 0)),
         (
@@ -193,12 +209,54 @@ fn material_constants(materials: &[&Material]) -> Constants {
         ),
         ("IRIDESCENCE", some(|m| m.iridescence > 0.0)),
         ("ANISOTROPY", some(|m| m.anisotropy > 0.0)),
+        (
+            "EMISSION",
+            some(|m| m.model == BSDF_UNLIT || m.emissive != [0.0; 3]),
+        ),
+        ("METALS", some(|m| m.metallic > 0.0)),
+        (
+            "DIELECTRICS",
+            some(|m| m.metallic < 1.0 || any(&[&m.metallic_roughness_texture])),
+        ),
+        (
+            "DIFFUSE",
+            some(|m| !transmits(m) || m.transmission < 1.0 || any(&[&m.transmission_texture])),
+        ),
+        ("OPAQUE", some(|m| !transmits(m))),
+        ("THIN", some(|m| m.flags & MATERIAL_THIN_WALLED != 0)),
+        ("SMOOTH", some(|m| !is_rough(m))),
+        ("ROUGH", some(|m| !is_smooth(m))),
         ("MODELS", Value::Uint(models)),
         ("COMMON_MODEL", common(|m| m.model)),
         ("COMMON_FRESNEL", common(|m| m.fresnel)),
         ("COMMON_DISTRIBUTION", common(|m| m.distribution)),
         ("COMMON_MASKING", common(|m| m.masking)),
     ]
+}
+
+/// Whether the surface is a dielectric boundary wherever it is seen.
+fn transmits(material: &Material) -> bool {
+    material.model == BSDF_GLTF && material.transmission > 0.0 && material.ior > 0.0
+}
+
+/// Whether all facets are smooth, for certain: not where rounding may say otherwise, nor where a coat lies over
+/// them, whose facets are others.
+fn is_smooth(material: &Material) -> bool {
+    has_plain_facets(material) && material.roughness.powi(2) < 0.99 * ALPHA_SMOOTH as f32
+}
+
+fn is_rough(material: &Material) -> bool {
+    has_plain_facets(material)
+        && !any(&[&material.metallic_roughness_texture])
+        && material.roughness.powi(2) > 1.01 * ALPHA_SMOOTH as f32
+}
+
+/// Whether there is one kind of facets, and their roughness is what the material says or less.
+fn has_plain_facets(material: &Material) -> bool {
+    material.model == BSDF_GLTF
+        && material.flags & MATERIAL_SPECULAR_GLOSSINESS == 0
+        && material.coat == 0.0
+        && material.anisotropy == 0.0
 }
 
 /// Whether one of the textures is there.

@@ -12,9 +12,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Bytes of one path's state: `PLANES` of 16 (shaders/kernels/state.wgsl).
-pub const PATH_BYTES: u64 = 192;
+pub const PATH_BYTES: u64 = 208;
 /// `COUNTERS` words, of which some are for the record.
-pub const COUNTER_BYTES: u64 = 48;
+pub const COUNTER_BYTES: u64 = 56;
 const CLOSEST_RAYS: usize = 4;
 const SHADOW_RAYS: usize = 5;
 const CLAMPED: usize = 6;

@@ -3,13 +3,14 @@
 use super::PackError;
 use super::model::lower_bsdf;
 use super::texture::Textures;
+use crate::cpu::bsdf::lobe::ALPHA_SMOOTH;
 use crate::scene::{self, AlphaMode, Extensions, Model, Texture};
 use crate::shared::{
-    BSDF_GLTF, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_UNLIT, CLASS_DIFFUSE,
-    CLASS_OPAQUE, CLASS_OTHER, DISTRIBUTION_GGX, FRESNEL_SCHLICK, MASKING_SMITH,
-    MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED, MATERIAL_EMISSIVE,
-    MATERIAL_SPECULAR_GLOSSINESS, MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE, Material,
-    TRIANGLE_ALPHA, TRIANGLE_CULLED,
+    BSDF_GLTF, BSDF_LAMBERTIAN, BSDF_OREN_NAYAR, BSDF_OREN_NAYAR_EON, BSDF_UNLIT, CLASS_CLEAR,
+    CLASS_DIFFUSE, CLASS_GLASS, CLASS_OPAQUE, CLASS_OTHER, DISTRIBUTION_GGX, FRESNEL_SCHLICK,
+    MASKING_SMITH, MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK, MATERIAL_DOUBLE_SIDED,
+    MATERIAL_EMISSIVE, MATERIAL_SPECULAR_GLOSSINESS, MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE,
+    Material, NONE, TRIANGLE_ALPHA, TRIANGLE_CULLED,
 };
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -119,22 +120,36 @@ pub fn triangle_flags(material: &Material) -> u32 {
 pub fn shading_class(material: &Material) -> u32 {
     match material.model {
         BSDF_LAMBERTIAN | BSDF_OREN_NAYAR | BSDF_OREN_NAYAR_EON | BSDF_UNLIT => CLASS_DIFFUSE,
-        BSDF_GLTF if has_no_extension_lobe(material) => CLASS_OPAQUE,
+        BSDF_GLTF if has_further_lobes(material) => CLASS_OTHER,
+        BSDF_GLTF if is_clear(material) => CLASS_CLEAR,
+        BSDF_GLTF if material.transmission > 0.0 => match material.metallic {
+            0.0 => CLASS_GLASS,
+            _ => CLASS_OTHER,
+        },
+        BSDF_GLTF => CLASS_OPAQUE,
         _ => CLASS_OTHER,
     }
 }
 
-fn has_no_extension_lobe(material: &Material) -> bool {
+/// Whether glTF's material is a smooth boundary and nothing else, wherever it is seen: no metal, nothing diffuse
+/// and no facets whose roughness is near the limit.
+fn is_clear(material: &Material) -> bool {
+    material.transmission == 1.0
+        && material.transmission_texture.texels == NONE
+        && material.metallic == 0.0
+        && material.ior > 0.0
+        && material.roughness.powi(2) < 0.99 * ALPHA_SMOOTH as f32
+}
+
+/// Whether glTF's material has more than a base that reflects, is diffuse or transmits.
+fn has_further_lobes(material: &Material) -> bool {
     let factors = [
-        material.transmission,
         material.diffuse_transmission,
         material.coat,
         material.iridescence,
         material.anisotropy,
     ];
-    material.flags & (MATERIAL_TRANSMISSIVE | MATERIAL_THIN_WALLED) == 0
-        && factors == [0.0; 5]
-        && material.sheen_color == [0.0; 3]
+    factors != [0.0; 4] || material.sheen_color != [0.0; 3]
 }
 
 /// The index of glTF's dielectrics. Specular-glossiness has none of its own: its F0 is all that its

@@ -193,6 +193,13 @@ pub fn albedo_average_dielectric(tables: &Tables, roughness: f64, eta: f64) -> D
     DVec2::new(E.x.clamp(0.0, total), total)
 }
 
+/// What a smooth boundary reflects of even light.
+pub fn albedo_average_smooth_dielectric(tables: &Tables, eta: f64) -> f64 {
+    let stencil = eta_stencil(eta_column(ALBEDO_AVERAGE_COS, 0.0, eta));
+    let E = albedo_average_dielectric_at(tables, 0, stencil);
+    E.x.clamp(0.0, 1.0)
+}
+
 pub fn albedo_sheen_entry(tables: &Tables, row: u32, column: u32) -> f64 {
     let index = (row * ALBEDO_SHEEN_SIZE + column) as usize;
     let pair = unorm16_pair(tables.albedo_sheen[index / 8][index / 2 % 4]);

@@ -7,7 +7,10 @@
 //! angle everything is reflected, whatever F90 says: light has nowhere else to go.
 
 use super::Bsdf;
-use super::albedo::{albedo_average_dielectric, albedo_average_ggx, albedo_dielectric, albedo_ggx};
+use super::albedo::{
+    albedo_average_dielectric, albedo_average_ggx, albedo_average_smooth_dielectric,
+    albedo_dielectric, albedo_ggx,
+};
 use super::distribution::is_smooth;
 use super::fresnel::{F_dielectric, schlick_weight};
 use super::lobe::{ETA_MATCHED, MIN_COS};
@@ -135,7 +138,11 @@ pub fn boundary_energy_at(
 ) -> Energy {
     let mut plain = DVec2::ZERO;
     if is_transmissive(bsdf) {
-        plain = albedo_dielectric(tables, cos_theta, roughness, eta);
+        plain = if is_smooth(bsdf) {
+            DVec2::new(F_dielectric(cos_theta, eta), 1.0)
+        } else {
+            albedo_dielectric(tables, cos_theta, roughness, eta)
+        };
     }
     let white = albedo_ggx(tables, cos_theta, roughness, is_smooth(bsdf));
     boundary_energy(bsdf, F0, eta, white, plain)
@@ -156,31 +163,34 @@ pub fn boundary_energy_average(
     boundary_energy(bsdf, F0, eta, white, plain)
 }
 
-/// What smooth facets let pass of even light, reciprocal by construction: the denser side sees 1 / eta^2
-/// of what the other sees (all of it that is not totally reflected).
-pub fn T_boundary_average(tables: &Tables, bsdf: &Bsdf, F0: DVec3, eta: f64) -> DVec3 {
+/// What smooth facets let pass of even light that enters the denser side; 0 of an opaque surface.
+pub fn T_entering_average(tables: &Tables, bsdf: &Bsdf, F0: DVec3, eta: f64) -> DVec3 {
+    if !is_transmissive(bsdf) {
+        return DVec3::ZERO;
+    }
     let F90 = bsdf.gltf.F90;
     let dense = eta.max(1.0 / eta);
-    let share = (1.0 - albedo_average_dielectric(tables, 0.0, dense).x) / (1.0 - F_normal(dense));
-    let entering = 1.0 - F90 + (F90 - F0) * share;
-    if eta < 1.0 && is_refractive(bsdf) {
-        return entering * (eta * eta);
-    }
-    entering
+    let share = (1.0 - albedo_average_smooth_dielectric(tables, dense)) / (1.0 - F_normal(dense));
+    1.0 - F90 + (F90 - F0) * share
 }
 
 /// The share of what is missing that comes back out by reflection at last; of an opaque surface the rest
-/// is with the diffuse part below, of a transmissive one it is on the other side.
+/// is with the diffuse part below, of a transmissive one it is on the other side. `entering` is that of
+/// `T_entering_average`; the denser side sees 1 / eta^2 of it (all of it that is not totally reflected), so
+/// that what passes is reciprocal by construction.
 pub fn boundary_returned(
-    tables: &Tables,
     bsdf: &Bsdf,
     F0: DVec3,
+    entering: DVec3,
     eta: f64,
     near: Energy,
     far: Energy,
 ) -> DVec3 {
     if is_transmissive(bsdf) {
-        let T_average = T_boundary_average(tables, bsdf, F0, eta);
+        let mut T_average = entering;
+        if eta < 1.0 && is_refractive(bsdf) {
+            T_average *= eta * eta;
+        }
         return 1.0 - T_multiple(T_average, near.missing, far.missing);
     }
     let F_average = F0 + (bsdf.gltf.F90 - F0) / 21.0;

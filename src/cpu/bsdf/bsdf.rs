@@ -9,12 +9,11 @@ use super::dielectric::{
 };
 use super::distribution::is_smooth;
 use super::gltf::{
-    gltf_eval, gltf_eval_view, gltf_is_delta, gltf_sample, gltf_sample_view,
-    gltf_straight_transmittance, gltf_view,
+    gltf_eval, gltf_eval_and_sample, gltf_is_delta, gltf_sample, gltf_straight_transmittance,
 };
 use super::lambertian::f_lambertian;
 use super::lobe::{
-    BsdfEval, BsdfSample, MIN_COS, is_reflected, mirrored, no_eval, no_sample, sample_of,
+    BsdfEval, BsdfSample, EvalAndSample, is_reflected, mirrored, no_eval, no_sample, sample_of,
 };
 use super::oren_nayar::{f_oren_nayar, f_oren_nayar_eon};
 use super::specular::{specular_reflection_sample, specular_transmission_sample};
@@ -66,11 +65,18 @@ pub fn bsdf_eval_above(tables: &Tables, bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> Bs
     if bsdf_is_delta(bsdf) {
         return no_eval();
     }
+    if bsdf.model == BSDF_GLTF {
+        return gltf_eval(tables, bsdf, wo, wi);
+    }
+    other_eval(bsdf, wo, wi)
+}
+
+/// Of the models that are not glTF's.
+pub fn other_eval(bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> BsdfEval {
     match bsdf.model {
         BSDF_LAMBERTIAN | BSDF_OREN_NAYAR | BSDF_OREN_NAYAR_EON => diffuse_eval(bsdf, wo, wi),
         BSDF_ROUGH_DIELECTRIC => rough_dielectric_eval(bsdf, wo, wi),
         BSDF_TORRANCE_SPARROW => torrance_sparrow_eval(bsdf, wo, wi),
-        BSDF_GLTF => gltf_eval(tables, bsdf, wo, wi),
         _ => no_eval(), // BSDF_UNLIT
     }
 }
@@ -88,6 +94,13 @@ pub fn bsdf_sample(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> BsdfSam
 }
 
 pub fn bsdf_sample_above(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> BsdfSample {
+    if bsdf.model == BSDF_GLTF {
+        return gltf_sample(tables, bsdf, wo, u);
+    }
+    other_sample(bsdf, wo, u)
+}
+
+pub fn other_sample(bsdf: &Bsdf, wo: DVec3, u: DVec3) -> BsdfSample {
     let u_direction = DVec2::new(u.y, u.z);
     match bsdf.model {
         BSDF_LAMBERTIAN | BSDF_OREN_NAYAR | BSDF_OREN_NAYAR_EON => {
@@ -109,36 +122,35 @@ pub fn bsdf_sample_above(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> B
             }
             torrance_sparrow_sample(bsdf, wo, u_direction)
         }
-        BSDF_GLTF => gltf_sample(tables, bsdf, wo, u),
         _ => no_sample(), // BSDF_UNLIT
     }
 }
 
 /// `bsdf_eval` for `wi`, where there is one, and `bsdf_sample` by `u`.
-// cpu only: what does not depend on wi takes long and is made once for both; the shader would have to
-// keep it while it looks for lights.
 pub fn bsdf_eval_and_sample(
     tables: &Tables,
     bsdf: &Bsdf,
     wo: DVec3,
     wi: Option<DVec3>,
     u: DVec3,
-) -> (BsdfEval, BsdfSample) {
+) -> EvalAndSample {
     let upright = |w: DVec3| if wo.z < 0.0 { mirrored(w) } else { w };
-    if bsdf.model != BSDF_GLTF || upright(wo).z < MIN_COS {
-        let eval = wi.map_or_else(no_eval, |wi| bsdf_eval(tables, bsdf, wo, wi));
-        return (eval, bsdf_sample(tables, bsdf, wo, u));
-    }
-    let view = gltf_view(tables, bsdf, upright(wo));
-    let eval = match wi {
-        Some(wi) if !bsdf_is_delta(bsdf) => {
-            gltf_eval_view(tables, bsdf, &view, upright(wo), upright(wi))
+    let wo_above = upright(wo);
+    let wi_above = wi.map(upright);
+    let mut both;
+    if bsdf.model == BSDF_GLTF {
+        both = gltf_eval_and_sample(tables, bsdf, wo_above, wi_above, u);
+    } else {
+        both = EvalAndSample {
+            eval: no_eval(),
+            sample: other_sample(bsdf, wo_above, u),
+        };
+        if let Some(wi) = wi_above.filter(|_| !bsdf_is_delta(bsdf)) {
+            both.eval = other_eval(bsdf, wo_above, wi);
         }
-        _ => no_eval(),
-    };
-    let sample = gltf_sample_view(tables, bsdf, &view, upright(wo), u);
-    let wi = upright(sample.wi);
-    (eval, BsdfSample { wi, ..sample })
+    }
+    both.sample.wi = upright(both.sample.wi);
+    both
 }
 
 /// What of the light from straight behind the surface goes on to wo unbent: that of smooth thin walls,

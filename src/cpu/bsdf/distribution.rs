@@ -16,6 +16,10 @@ pub const BECKMANN_FAR: f64 = 100.0;
 /// See `facet_alpha`.
 pub const ANISOTROPIC_MARGIN: f64 = 0.28;
 
+pub fn is_ggx(bsdf: &Bsdf) -> bool {
+    bsdf.distribution == DISTRIBUTION_GGX
+}
+
 /// The exponents of Blinn (twice the same) or Ashikhmin and Shirley.
 pub fn facet_exponents(bsdf: &Bsdf) -> DVec2 {
     let blinn = bsdf.distribution == DISTRIBUTION_BLINN;

@@ -14,16 +14,17 @@
 use super::Bsdf;
 use super::albedo::{albedo_average_ggx, albedo_ggx, albedo_sheen};
 use super::boundary::{
-    Energy, F_boundary, T_boundary, boundary_energy_at, boundary_energy_average, boundary_returned,
-    boundary_weight, is_refractive, is_transmissive, transmits_smoothly,
+    Energy, F_boundary, T_boundary, T_entering_average, boundary_energy_at,
+    boundary_energy_average, boundary_returned, boundary_weight, is_refractive, is_transmissive,
+    transmits_smoothly,
 };
 use super::coat::{coat_albedo, coat_eval, coat_facets, coat_sample, is_coated};
 use super::distribution::is_smooth;
 use super::fresnel::{T_dielectric, schlick_weight};
 use super::iridescence::{F_filmed, F0_filmed, T_filmed, is_filmed};
 use super::lobe::{
-    BsdfEval, BsdfSample, DELTA, MIN_COS, is_reflected, is_transmitted, mirrored, no_eval,
-    no_sample, sample_of,
+    BsdfEval, BsdfSample, DELTA, EvalAndSample, MIN_COS, is_reflected, is_transmitted, mirrored,
+    no_eval, no_sample, sample_of,
 };
 use super::multiple_scattering::{F_multiple, f_multiple};
 use super::sheen::f_sheen;
@@ -131,6 +132,20 @@ pub fn diffuse_transmission_share(bsdf: &Bsdf) -> f64 {
     bsdf.gltf.diffuse_transmission
 }
 
+/// Whether the dielectric part has more than what its facets reflect and transmit at once: a diffuse part
+/// below, or light that is left for multiple scattering.
+pub fn has_rest(bsdf: &Bsdf) -> bool {
+    !is_smooth(bsdf) || transmission_share(bsdf) < 1.0
+}
+
+/// The index seen from the other side, on which transmitted light travels.
+pub fn eta_below(bsdf: &Bsdf) -> f64 {
+    if is_refractive(bsdf) {
+        return 1.0 / bsdf.eta.x;
+    }
+    bsdf.eta.x
+}
+
 /// What passes the surface at last.
 pub fn passed_energy(energy: Energy, returned: DVec3) -> DVec3 {
     energy.transmitted + (1.0 - returned) * energy.missing
@@ -150,14 +165,14 @@ pub fn metal_energy_of(F0: DVec3, E: DVec2, smooth_lobe: bool) -> Energy {
 }
 
 pub fn side_of(
-    tables: &Tables,
     bsdf: &Bsdf,
     F0: DVec3,
+    entering: DVec3,
     eta: f64,
     average: Energy,
     other: Energy,
 ) -> Side {
-    let returned = boundary_returned(tables, bsdf, F0, eta, average, other);
+    let returned = boundary_returned(bsdf, F0, entering, eta, average, other);
     Side {
         average,
         returned,
@@ -193,18 +208,21 @@ pub fn gltf_view(tables: &Tables, bsdf: &Bsdf, wo: DVec3) -> GltfView {
 
     // What has no part in the mixture is left at 0: it is only ever multiplied by its share.
     if g.metallic < 1.0 {
-        let near = boundary_energy_average(tables, bsdf, view.F0, eta, roughness);
-        let mut far = near;
-        if is_refractive(bsdf) {
-            far = boundary_energy_average(tables, bsdf, view.F0, 1.0 / eta, roughness);
-        }
-        view.near = side_of(tables, bsdf, view.F0, eta, near, far);
-        view.far = view.near;
-        if is_refractive(bsdf) {
-            view.far = side_of(tables, bsdf, view.F0, 1.0 / eta, far, near);
-        }
         view.energy = boundary_energy_at(tables, bsdf, view.F0, eta, roughness, wo.z);
-        view.passed = passed_energy(view.energy, view.near.returned);
+        if has_rest(bsdf) {
+            let entering = T_entering_average(tables, bsdf, view.F0, eta);
+            let near = boundary_energy_average(tables, bsdf, view.F0, eta, roughness);
+            let mut far = near;
+            if is_refractive(bsdf) {
+                far = boundary_energy_average(tables, bsdf, view.F0, 1.0 / eta, roughness);
+            }
+            view.near = side_of(bsdf, view.F0, entering, eta, near, far);
+            view.far = view.near;
+            if is_refractive(bsdf) {
+                view.far = side_of(bsdf, view.F0, entering, 1.0 / eta, far, near);
+            }
+            view.passed = passed_energy(view.energy, view.near.returned);
+        }
     }
     if g.metallic > 0.0 {
         view.metal_energy = metal_energy_of(
@@ -291,11 +309,12 @@ pub fn T_gltf(tables: &Tables, bsdf: &Bsdf, cos_theta: f64, T: f64) -> DVec3 {
     (1.0 - bsdf.gltf.metallic) * transmission_share(bsdf) * bsdf.reflectance * facet
 }
 
-/// All that is reflected above and is no delta, and the density of it.
+/// All that is reflected above and is no delta, and the density of it. `energy` is the dielectric's of wi.
 pub fn gltf_reflection(
     tables: &Tables,
     bsdf: &Bsdf,
     view: &GltfView,
+    energy: Energy,
     wo: DVec3,
     wi: DVec3,
 ) -> BsdfEval {
@@ -303,24 +322,23 @@ pub fn gltf_reflection(
     let is_delta = is_smooth(bsdf);
     let dielectric = 1.0 - g.metallic;
     let mut f = DVec3::ZERO;
+    let mut pdf = view.p_above * pdf_cosine_hemisphere(wi.z);
     if dielectric > 0.0 {
-        let energy = boundary_energy_at(tables, bsdf, view.F0, bsdf.eta.x, view.roughness, wi.z);
         let passed = passed_energy(energy, view.near.returned);
         let diffuse = bsdf.reflectance
             * (dielectric
                 * (1.0 - transmission_share(bsdf))
                 * (1.0 - diffuse_transmission_share(bsdf)));
         let passed_average = view.near.passed.max(DVec3::splat(PASSED_AVERAGE_MIN));
+        f += diffuse * INV_PI * (view.passed * passed / passed_average);
+    }
+    if !is_delta {
         let dielectric_lobe = f_multiple(
             view.energy.missing,
             energy.missing,
             view.near.average.missing,
         );
-        f += diffuse * INV_PI * (view.passed * passed / passed_average);
         f += dielectric * view.near.returned * dielectric_lobe;
-    }
-    let mut pdf = view.p_above * pdf_cosine_hemisphere(wi.z);
-    if !is_delta {
         if g.metallic > 0.0 {
             let metal_energy = metal_energy_of(
                 view.metal_F0,
@@ -354,23 +372,22 @@ pub fn gltf_reflection(
     BsdfEval { f, pdf }
 }
 
-/// All that comes from below and is no delta, and the density of it.
+/// All that comes from below and is no delta, and the density of it. `energy` is the dielectric's of wi.
 pub fn gltf_transmission(
     tables: &Tables,
     bsdf: &Bsdf,
     view: &GltfView,
+    energy: Energy,
     wo: DVec3,
     wi: DVec3,
 ) -> BsdfEval {
     let g = bsdf.gltf;
     let dielectric = 1.0 - g.metallic;
-    let mut eta_far = bsdf.eta.x;
-    let mut radiance = 1.0;
-    if is_refractive(bsdf) {
-        eta_far = 1.0 / bsdf.eta.x;
-        radiance = sqr(eta_far);
-    }
-    let energy = boundary_energy_at(tables, bsdf, view.F0, eta_far, view.roughness, -wi.z);
+    let radiance = if is_refractive(bsdf) {
+        sqr(eta_below(bsdf))
+    } else {
+        1.0
+    };
     let passed = passed_energy(energy, view.far.returned);
     // Both averages are the same but for eta^2, within the tables' precision: their mean is reciprocal.
     let passed_average = (view.near.passed * view.far.passed * radiance).map(f64::sqrt);
@@ -410,13 +427,22 @@ pub fn gltf_eval_view(
     wo: DVec3,
     wi: DVec3,
 ) -> BsdfEval {
+    if !is_reflected(wo, wi) && !is_transmitted(wo, wi) {
+        return no_eval();
+    }
+    let mut energy = Energy::default();
+    if bsdf.gltf.metallic < 1.0 {
+        let eta = if wi.z < 0.0 {
+            eta_below(bsdf)
+        } else {
+            bsdf.eta.x
+        };
+        energy = boundary_energy_at(tables, bsdf, view.F0, eta, view.roughness, wi.z.abs());
+    }
     if is_reflected(wo, wi) {
-        return gltf_reflection(tables, bsdf, view, wo, wi);
+        return gltf_reflection(tables, bsdf, view, energy, wo, wi);
     }
-    if is_transmitted(wo, wi) {
-        return gltf_transmission(tables, bsdf, view, wo, wi);
-    }
-    no_eval()
+    gltf_transmission(tables, bsdf, view, energy, wo, wi)
 }
 
 /// The parts that are no delta; the pdf is that of `gltf_sample`, lobe's choice included.
@@ -427,22 +453,22 @@ pub fn gltf_eval(tables: &Tables, bsdf: &Bsdf, wo: DVec3, wi: DVec3) -> BsdfEval
     gltf_eval_view(tables, bsdf, &gltf_view(tables, bsdf, wo), wo, wi)
 }
 
-/// A way to sample by u.x, a direction in it by u.yz. What is drawn has f if it is a delta.
+/// A way to sample by u.x, a direction in it by u.yz.
 pub fn gltf_sample(tables: &Tables, bsdf: &Bsdf, wo: DVec3, u: DVec3) -> BsdfSample {
     if wo.z < MIN_COS {
         return no_sample();
     }
-    gltf_sample_view(tables, bsdf, &gltf_view(tables, bsdf, wo), wo, u)
+    let view = gltf_view(tables, bsdf, wo);
+    let drawn = gltf_draw(tables, bsdf, &view, wo, u);
+    if drawn.delta != 0 || drawn.pdf == 0.0 {
+        return drawn;
+    }
+    sample_of(drawn.wi, gltf_eval_view(tables, bsdf, &view, wo, drawn.wi))
 }
 
-// cpu only: the shader keeps no view from one question to the next.
-pub fn gltf_sample_view(
-    tables: &Tables,
-    bsdf: &Bsdf,
-    view: &GltfView,
-    wo: DVec3,
-    u: DVec3,
-) -> BsdfSample {
+/// The same direction, of a delta with f. What is no delta has f and its density, which is not 0 yet, from
+/// `gltf_eval_view`.
+pub fn gltf_draw(tables: &Tables, bsdf: &Bsdf, view: &GltfView, wo: DVec3, u: DVec3) -> BsdfSample {
     let u_direction = DVec2::new(u.y, u.z);
     let base = view.below_coat * view.below_sheen;
     let coat_end = view.p_coat;
@@ -485,14 +511,42 @@ pub fn gltf_sample_view(
             delta: 0,
         };
     }
-    if drawn.delta != 0 || drawn.pdf == 0.0 {
-        return drawn;
-    }
     // A facet may send the reflected ray below the horizon, where it is nobody's sample.
-    if u.x < reflection_end && drawn.wi.z < MIN_COS {
+    if drawn.delta == 0 && u.x < reflection_end && drawn.wi.z < MIN_COS {
         return no_sample();
     }
-    sample_of(drawn.wi, gltf_eval_view(tables, bsdf, view, wo, drawn.wi))
+    drawn
+}
+
+/// `gltf_eval` for wi, where there is one, and `gltf_sample` by u. What does not depend on wi is made once for
+/// both.
+pub fn gltf_eval_and_sample(
+    tables: &Tables,
+    bsdf: &Bsdf,
+    wo: DVec3,
+    wi: Option<DVec3>,
+    u: DVec3,
+) -> EvalAndSample {
+    let mut both = EvalAndSample {
+        eval: no_eval(),
+        sample: no_sample(),
+    };
+    if wo.z < MIN_COS {
+        return both;
+    }
+    let view = gltf_view(tables, bsdf, wo);
+    both.sample = gltf_draw(tables, bsdf, &view, wo, u);
+    if gltf_is_delta(bsdf) {
+        return both;
+    }
+    if let Some(wi) = wi {
+        both.eval = gltf_eval_view(tables, bsdf, &view, wo, wi);
+    }
+    if both.sample.delta == 0 && both.sample.pdf > 0.0 {
+        let wi = both.sample.wi;
+        both.sample = sample_of(wi, gltf_eval_view(tables, bsdf, &view, wo, wi));
+    }
+    both
 }
 
 /// Whether there is nothing but deltas, whatever wo is.

@@ -35,6 +35,13 @@ pub struct BsdfSample {
     pub delta: u32,
 }
 
+/// For one direction that is given, and for one that is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EvalAndSample {
+    pub eval: BsdfEval,
+    pub sample: BsdfSample,
+}
+
 pub fn no_eval() -> BsdfEval {
     BsdfEval {
         f: DVec3::ZERO,
