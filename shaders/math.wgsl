@@ -131,25 +131,33 @@ fn log1p_reduced(f: f32) -> f32 {
     return f - (half_square - s * (half_square + p * z));
 }
 
+// A positive x as (1 + f) 2^k with f as log1p_reduced takes it: (f, k).
+// shader only: as log1p_reduced.
+fn log_reduction(x: f32) -> vec2<f32> {
+    let bits = bitcast<u32>(x);
+    // The exponent is counted so that the mantissa lies between sqrt(1/2) and sqrt(2).
+    let k = (i32(bits) - 0x3f3504f3) >> 23u;
+    let m = bitcast<f32>(bits - bitcast<u32>(k << 23u));
+    return vec2(m - 1.0, f32(k));
+}
+
 // Natural logarithm of a positive number; the lowest finite number at 0.
 fn log_accurate(x: f32) -> f32 {
     if x <= 0.0 {
         return -3.4028234e38;
     }
-    let bits = bitcast<u32>(x);
-    // The exponent is counted so that the mantissa lies between sqrt(1/2) and sqrt(2).
-    let k = (i32(bits) - 0x3f3504f3) >> 23u;
-    let m = bitcast<f32>(bits - bitcast<u32>(k << 23u));
-    let exponent = f32(k);
-    return exponent * LN_2_HIGH + (log1p_reduced(m - 1.0) + exponent * LN_2_LOW);
+    let r = log_reduction(x);
+    return r.y * LN_2_HIGH + (log1p_reduced(r.x) + r.y * LN_2_LOW);
 }
 
 // ln(1 + x), x > -1, without the cancellation near 0.
 fn log1p_accurate(x: f32) -> f32 {
-    if x > -0.29 && x < 0.41 {
-        return log1p_reduced(x);
+    if x <= -1.0 {
+        return -3.4028234e38;
     }
-    return log_accurate(1.0 + x);
+    // One series for both ways: drivers copy it to each place.
+    let r = select(log_reduction(1.0 + x), vec2(x, 0.0), x > -0.29 && x < 0.41);
+    return r.y * LN_2_HIGH + (log1p_reduced(r.x) + r.y * LN_2_LOW);
 }
 
 // x^y for x >= 0.

@@ -274,7 +274,12 @@ fn every_kernel_is_compiled_ahead() {
 #[test]
 fn a_variant_shows_what_the_general_kernels_show() {
     let gpu = common::gpu();
-    for path in ["scenes/gallery.gltf", "scenes/white_furnace.gltf"] {
+    for path in [
+        "scenes/gallery.gltf",
+        "scenes/white_furnace.gltf",
+        "scenes/glasses.gltf",
+        "scenes/coatings.gltf",
+    ] {
         let packed = packed(&load_scene(&project(path)), [64, 48]);
         let (general, variant) = (
             cells(&gpu, &packed, &Variants::general(&packed), 0..2),

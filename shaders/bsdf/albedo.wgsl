@@ -8,6 +8,7 @@ import package::bsdf::fresnel::{F_dielectric, schlick_weight};
 
 // Width in |ln eta| of the layer about eta = 1 where Fresnel's term changes: see eta_column.
 const ETA_LAYER: f32 = 0.1;
+const LOG_ETA_MAX: f32 = log(ETA_MAX);
 // The averages' eta axis is that of a view at this cosine, the mean one under even light.
 const ALBEDO_AVERAGE_COS: f32 = 2.0 / 3.0;
 
@@ -75,9 +76,8 @@ fn albedo_average_ggx(roughness: f32, smooth_lobe: bool) -> vec2<f32> {
 fn eta_column(cos_theta: f32, roughness: f32, eta: f32) -> f32 {
     let alpha = roughness * roughness;
     let layer = ETA_LAYER * (cos_theta * cos_theta + alpha * alpha);
-    let distance_max = log_accurate(ETA_MAX);
-    let distance = min(abs(log_accurate(eta)), distance_max);
-    let half = 0.5 * log1p_accurate(distance / layer) / log1p_accurate(distance_max / layer);
+    let distance = min(abs(log_accurate(eta)), LOG_ETA_MAX);
+    let half = 0.5 * log1p_accurate(distance / layer) / log1p_accurate(LOG_ETA_MAX / layer);
     return select(0.5 + half, 0.5 - half, eta < 1.0);
 }
 

@@ -62,9 +62,12 @@ fn plane(which: u32, slot: u32) -> u32 {
 }
 
 fn load_ray(slot: u32) -> Ray {
-    let origin = paths[plane(PLANE_RAY_ORIGIN, slot)];
-    let direction = paths[plane(PLANE_RAY_DIRECTION, slot)];
-    let rng = paths[plane(PLANE_RNG, slot)];
+    return ray_of(
+        paths[plane(PLANE_RAY_ORIGIN, slot)], paths[plane(PLANE_RAY_DIRECTION, slot)], paths[plane(PLANE_RNG, slot)]);
+}
+
+// The ray of a path whose entries of these planes are given.
+fn ray_of(origin: vec4<u32>, direction: vec4<u32>, rng: vec4<u32>) -> Ray {
     return Ray(
         bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(rng.w), bitcast<vec3<f32>>(direction.xyz), RAY_INFINITY,
         path_time(Rng(rng.y, rng.z, 0u)));
@@ -81,7 +84,7 @@ fn load_path(slot: u32) -> Path {
         media = paths[plane(PLANE_MEDIA, slot)];
     }
     return Path(
-        load_ray(slot),
+        ray_of(origin, direction, rng),
         origin.w, abs(pdf), pdf < 0.0, beta.xyz, beta.w, media.xyz, bitcast<f32>(media.w), Rng(rng.y, rng.z, 0u),
     );
 }

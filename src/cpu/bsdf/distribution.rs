@@ -35,7 +35,7 @@ pub fn facet_exponents(bsdf: &Bsdf) -> DVec2 {
 /// that of the Beckmann distribution with the same mean slope, which decides what they hide at grazing
 /// angles (at equal peaks, as in Walter et al. 2007, 5.2, their white furnace exceeds 1 by up to 15 %).
 pub fn facet_alpha(bsdf: &Bsdf) -> DVec2 {
-    if bsdf.distribution == DISTRIBUTION_BECKMANN || bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) || bsdf.distribution == DISTRIBUTION_BECKMANN {
         return bsdf.alpha.max(DVec2::splat(ALPHA_SMOOTH));
     }
     // cos^e has slopes distributed as (1 + r^2)^(-(e + 4) / 2), whose mean is that of Beckmann's with
@@ -52,7 +52,7 @@ pub fn facet_alpha(bsdf: &Bsdf) -> DVec2 {
 /// Whether a lobe with these facets is a delta. One narrow axis does not make it one: `facet_alpha`
 /// widens that axis to `ALPHA_SMOOTH`.
 pub fn is_smooth(bsdf: &Bsdf) -> bool {
-    if bsdf.distribution == DISTRIBUTION_BECKMANN || bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) || bsdf.distribution == DISTRIBUTION_BECKMANN {
         return bsdf.alpha.max_element() < ALPHA_SMOOTH;
     }
     let e = if bsdf.distribution == DISTRIBUTION_BLINN {

@@ -1,10 +1,10 @@
 //! How much of a facet is hidden: from the viewer, from the light.
 
 use super::Bsdf;
-use super::distribution::facet_alpha;
+use super::distribution::{facet_alpha, is_ggx};
 use crate::cpu::erf::{SQRT_PI, erfcx_accurate};
 use crate::cpu::math::{exp_accurate, sqr};
-use crate::shared::{DISTRIBUTION_GGX, MASKING_SMITH, MASKING_V_CAVITY};
+use crate::shared::{MASKING_SMITH, MASKING_V_CAVITY};
 use glam::{DVec2, DVec3};
 
 /// Smith's Lambda of GGX.
@@ -27,7 +27,7 @@ pub fn Lambda_beckmann(w: DVec3, alpha: DVec2) -> f64 {
 }
 
 pub fn facet_Lambda(bsdf: &Bsdf, w: DVec3) -> f64 {
-    if bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) {
         return Lambda_ggx(w, facet_alpha(bsdf));
     }
     // Blinn, Ashikhmin and Shirley: by their Beckmann equivalent, as Walter et al. 2007, 5.2.

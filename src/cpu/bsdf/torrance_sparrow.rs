@@ -1,7 +1,7 @@
 //! Mirror facets: f = F(wi . wm) D(wm) G / (4 cos theta_o cos theta_i).
 
 use super::Bsdf;
-use super::distribution::{facet_D, facet_alpha, facet_exponents, sample_exponential};
+use super::distribution::{facet_D, facet_alpha, facet_exponents, is_ggx, sample_exponential};
 use super::fresnel::fresnel_F;
 use super::lobe::{BsdfEval, BsdfSample, MIN_COS, is_reflected, no_eval, no_sample, sample_of};
 use super::masking::{G1_smith, facet_G2};
@@ -10,7 +10,7 @@ use super::visible_normal::{
     pdf_bounded_visible_ggx, sample_bounded_visible_ggx, sample_visible_beckmann,
     sample_visible_ggx,
 };
-use crate::shared::{DISTRIBUTION_BECKMANN, DISTRIBUTION_GGX};
+use crate::shared::DISTRIBUTION_BECKMANN;
 use glam::{DVec2, DVec3, DVec4};
 
 /// The facet that mirrors wi to wo, and in w the cosine between it and either of them; zero where the
@@ -33,7 +33,7 @@ pub fn half_vector_jacobian(cos_m: f64) -> f64 {
 
 /// Density of `facet_sample`, per solid angle of wm; cos_o is the cosine between wm and wo.
 pub fn facet_pdf(bsdf: &Bsdf, wo: DVec3, wm: DVec3, cos_o: f64) -> f64 {
-    if bsdf.distribution == DISTRIBUTION_BECKMANN || bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) || bsdf.distribution == DISTRIBUTION_BECKMANN {
         return G1_smith(bsdf, wo) * facet_D(bsdf, wm) * cos_o / wo.z;
     }
     facet_D(bsdf, wm) * wm.z.max(0.0)
@@ -41,7 +41,7 @@ pub fn facet_pdf(bsdf: &Bsdf, wo: DVec3, wm: DVec3, cos_o: f64) -> f64 {
 
 /// A facet normal: of the visible ones where the distribution has them in closed form.
 pub fn facet_sample(bsdf: &Bsdf, wo: DVec3, u: DVec2) -> DVec3 {
-    if bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) {
         return sample_visible_ggx(wo, facet_alpha(bsdf), u);
     }
     if bsdf.distribution == DISTRIBUTION_BECKMANN {
@@ -52,7 +52,7 @@ pub fn facet_sample(bsdf: &Bsdf, wo: DVec3, u: DVec2) -> DVec3 {
 
 /// Density of `mirror_sample`'s mirrored direction, per its own solid angle.
 pub fn mirror_pdf(bsdf: &Bsdf, wo: DVec3, wm: DVec3, cos_m: f64) -> f64 {
-    if bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) {
         return pdf_bounded_visible_ggx(wo, facet_alpha(bsdf), facet_D(bsdf, wm));
     }
     facet_pdf(bsdf, wo, wm, cos_m) * half_vector_jacobian(cos_m)
@@ -60,7 +60,7 @@ pub fn mirror_pdf(bsdf: &Bsdf, wo: DVec3, wm: DVec3, cos_m: f64) -> f64 {
 
 /// A facet normal for those who only reflect there.
 pub fn mirror_sample(bsdf: &Bsdf, wo: DVec3, u: DVec2) -> DVec3 {
-    if bsdf.distribution == DISTRIBUTION_GGX {
+    if is_ggx(bsdf) {
         return sample_bounded_visible_ggx(wo, facet_alpha(bsdf), u);
     }
     facet_sample(bsdf, wo, u)
