@@ -49,9 +49,9 @@ const GLTF_THIN_WALLED: u32 = 2u;  // and passes straight, without refraction
 const GLTF_INSIDE: u32 = 4u;       // wo is inside of the medium: coat, sheen and film are on the other side
 
 // `Triangle.flags`: what tracing asks of the material, beside the corners that it reads anyway.
-const TRIANGLE_CLASS: u32 = 3u;  // one of CLASS_*
-const TRIANGLE_CULLED: u32 = 4u; // its back is not met
-const TRIANGLE_ALPHA: u32 = 8u;  // masked or blended: whether it is there, alpha says
+const TRIANGLE_CLASS: u32 = 7u;   // one of CLASS_*
+const TRIANGLE_CULLED: u32 = 8u;  // its back is not met
+const TRIANGLE_ALPHA: u32 = 16u;  // masked or blended: whether it is there, alpha says
 
 // By which kernel a surface is shaded. A driver that carries out every branch for all lanes pays at each
 // surface for the models that any of them may have, so materials that are shaded alike have a kernel of

@@ -8,6 +8,8 @@ use crate::shared::{
     MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE, Material, NONE, TRIANGLE_CLASS, Texture, Triangle,
 };
 
+const _: () = assert!(CLASSES <= TRIANGLE_CLASS + 1, "a class that has no room");
+
 /// Names and values of constants.
 pub type Constants = Vec<(&'static str, Value)>;
 
