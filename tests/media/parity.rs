@@ -206,8 +206,8 @@ const SHADOW: [&str; 2] = ["trace_shadow", "trace_shadow_kernel"];
 fn assert_seen(packed: &Packed, breaks: &[Break]) {
     let settings = whole(packed, SAMPLES);
     let reference = on_cpu(packed, &settings);
-    let variants = Variants::of(packed, &[]);
     let mut gpu = common::gpu();
+    let variants = Variants::of(packed, &gpu.constants());
     let mut unseen = Vec::new();
     for Break {
         name,
