@@ -18,8 +18,8 @@ use thiserror::Error;
 const TILE: u32 = 256;
 /// Paths of the first dispatch, whose time says how many the next ones may have.
 const FIRST_PATHS: u32 = 1 << 16;
-/// No more paths than this at a time: 104 MiB of state.
-const MOST_PATHS: u32 = 1 << 19;
+/// No more paths than this at a time: 52 MiB of state.
+const MOST_PATHS: u32 = 1 << 18;
 /// No more samples of a pixel than this at a time: `accumulate` adds them and their neighbours in loops, and Mesa up
 /// to 22.3 ends all loops of an invocation after 65 536 rounds in all.
 const MOST_SAMPLES: u32 = 1 << 12;
