@@ -107,6 +107,13 @@ impl Weighted {
     /// As sums of `samples` independent samples with the same mean and the same error of it. As many samples of equal
     /// weight as tell what these do are weight² / weight_squares (Kish 1965, "Survey Sampling", section 11.7).
     pub fn pixel(&self, samples: u32) -> FilmPixel {
+        if samples == 0 {
+            // Whatever the neighbours brought: the pixel counts as empty, as `FilmPixel` says.
+            return FilmPixel {
+                non_finite: self.non_finite,
+                ..FilmPixel::default()
+            };
+        }
         let n = f64::from(samples);
         let count = self.weight * self.weight / self.weight_squares;
         let spread = |c: usize| {

@@ -86,6 +86,15 @@ fn weighted_samples_tell_as_much_as_fewer_equal_ones() {
         assert!((halved.variance()[c] - 10.0 / 9.0).abs() < 1e-6);
     }
     assert!((halved.coverage() - 2.0 / 3.0).abs() < 1e-6);
+
+    // A picture of samples that all came out infinite is black, and said to be.
+    let bad = Weighted {
+        non_finite: 4,
+        ..Weighted::default()
+    };
+    let mut film = Film::new(1, 1);
+    film.pixels[0] = bad.pixel(0);
+    assert!(film.is_black() && film.non_finite() == 4);
 }
 
 #[test]
