@@ -15,11 +15,13 @@ pub struct DoctorArgs {}
 pub fn run(_: &DoctorArgs) -> Result<(), Error> {
     let adapters = adapters();
     super::print(&text(&adapters))?;
-    if adapters.iter().any(|a| a.missing.is_none()) {
-        Ok(())
-    } else {
-        Err(DeviceError::NoAdapter.into())
-    }
+    Ok(verdict(&adapters)?)
+}
+
+/// Whether one of them can be used.
+fn verdict(adapters: &[AdapterSummary]) -> Result<(), DeviceError> {
+    let usable = adapters.iter().any(|a| a.missing.is_none());
+    usable.then_some(()).ok_or(DeviceError::NoAdapter)
 }
 
 fn text(adapters: &[AdapterSummary]) -> String {
@@ -269,4 +271,99 @@ fn closed_nodes() -> Vec<String> {
         .collect();
     closed.sort();
     closed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two that can be used and one that cannot, with numbers that differ all over.
+    fn adapters() -> [AdapterSummary; 3] {
+        let kinds = [
+            wgpu::DeviceType::DiscreteGpu,
+            wgpu::DeviceType::Cpu,
+            wgpu::DeviceType::IntegratedGpu,
+        ];
+        let backends = [
+            wgpu::Backend::Vulkan,
+            wgpu::Backend::Vulkan,
+            wgpu::Backend::Metal,
+        ];
+        [0, 1, 2].map(|i| {
+            let mut info = wgpu::AdapterInfo::new(kinds[i], backends[i]);
+            info.name = ["Quick", "Patient", "Old"][i].to_owned();
+            info.driver = ["driver", "software", ""][i].to_owned();
+            info.driver_info = ["1.5", "", "0.1"][i].to_owned();
+            AdapterSummary {
+                info,
+                limits: wgpu::Limits {
+                    max_storage_buffer_binding_size: 3 << 30,
+                    max_buffer_size: (5 << 20) + i as u64,
+                    max_storage_buffers_per_shader_stage: 7,
+                    max_texture_dimension_2d: 11,
+                    max_compute_invocations_per_workgroup: 13,
+                    max_compute_workgroups_per_dimension: 17,
+                    ..wgpu::Limits::default()
+                },
+                missing: (i == 2).then(|| "it has no shaders".to_owned()),
+            }
+        })
+    }
+
+    #[test]
+    fn every_adapter_is_described_line_by_line() {
+        let limits =
+            "   limits    3 GiB a storage binding, 5 MiB a buffer, 7 storage buffers a stage,
+             textures to 11 px, 13 invocations a workgroup, 17 workgroups a dispatch";
+        let expected = format!(
+            "1. Quick
+   type      discrete GPU
+   driver    driver 1.5
+   backend   vulkan
+{limits}
+   usable    yes; taken by default
+2. Patient
+   type      software, on the CPU
+   driver    software
+   backend   vulkan
+{limits}
+   usable    yes: --adapter 'Patient'
+3. Old
+   type      integrated GPU
+   driver    0.1
+   backend   metal
+{limits}
+   usable    no: it has no shaders
+
+CPU renderer: always there (--cpu), "
+        );
+        let text = text(&adapters());
+        let (version, rest) = text.split_once("\n\n").unwrap_or_default();
+        assert_eq!(version, concat!("Snell ", env!("CARGO_PKG_VERSION")));
+        assert!(rest.starts_with(&expected), "{text}");
+    }
+
+    #[test]
+    fn one_adapter_that_can_be_used_is_enough() {
+        let [quick, patient, old] = adapters();
+        assert!(verdict(&[quick, patient.clone()]).is_ok());
+        assert!(verdict(&[old.clone(), patient]).is_ok());
+        assert!(verdict(&[old]).is_err());
+        assert!(verdict(&[]).is_err());
+    }
+
+    #[test]
+    fn sizes_are_in_the_largest_unit_that_they_fill() {
+        let shown = [0, 1023, 1024, (1 << 20) - 1, 1 << 20, 1 << 31, 1 << 45].map(bytes);
+        let expected = [
+            "0 bytes",
+            "1023 bytes",
+            "1 KiB",
+            "1023 KiB",
+            "1 MiB",
+            "2 GiB",
+            "32768 GiB",
+        ];
+        assert_eq!(shown, expected);
+    }
 }

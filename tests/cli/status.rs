@@ -284,15 +284,19 @@ fn doctor_lists_adapters_or_says_what_is_wrong() {
         assert!(text.contains(says), "no '{says}' in:\n{text}");
     }
     assert!(!text.contains("MESA") && !text.contains("LP_"), "{text}");
-    for (name, value) in [
-        ("LP_NATIVE_VECTOR_WIDTH", "512"),
-        ("MESA_SHADER_CACHE_DISABLE", "true"),
-        ("MESA_SHADER_CACHE_DIR", "scene.gltf/cache"),
+    for (name, value, is_told) in [
+        ("LP_NATIVE_VECTOR_WIDTH", "512", true),
+        ("MESA_SHADER_CACHE_DISABLE", "true", true),
+        ("MESA_SHADER_CACHE_DISABLE", "false", false),
+        ("MESA_GLSL_CACHE_DISABLE", "1", true),
+        ("MESA_SHADER_CACHE_DIR", "scene.gltf/cache", true),
+        ("MESA_SHADER_CACHE_DIR", "cache/of/mesa", false),
     ] {
         let output = place.command("doctor").env(name, value).output().unwrap();
         assert_status(&output, 0, name);
         let text = String::from_utf8(output.stdout).unwrap();
-        assert!(text.contains(&format!("{name} is")), "{text}");
+        assert_eq!(text.contains(&format!("{name} is")), is_told, "{text}");
+        assert_eq!(text.contains("All is well"), !is_told, "{text}");
     }
     let output = place.run_without_adapter("doctor");
     assert_status(&output, 5, "doctor");
