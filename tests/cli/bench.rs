@@ -1,11 +1,13 @@
 //! `snell bench`, and what `snell render -v` says of its stages.
 
 use std::fs;
+use std::io::Cursor;
+use std::time::Instant;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::json_schema::validate;
-use crate::place::{Place, SMALL, stderr};
+use crate::place::{Place, SMALL, scene, stderr};
 
 const QUICK: &str = "--size 24x16 --spp 2 --repetitions 2";
 
@@ -100,37 +102,93 @@ fn what_cannot_be_measured_has_its_status() {
     assert_eq!(output.status.code(), Some(2));
 }
 
-/// One line for each stage, on standard error, by -v alone.
+/// A line for each stage and its key in the record's `times_ms`, in order; the record ends before its files are
+/// written.
+const STAGES: [(&str, &str); 10] = [
+    ("load", "load"),
+    ("images (of load)", "images"),
+    ("pack", "pack"),
+    ("geometry (of pack)", "geometry"),
+    ("open adapter, meanwhile", "open_adapter"),
+    ("upload", "upload"),
+    ("compile", "compile"),
+    ("render", "render"),
+    ("encode", "encode"),
+    ("write", ""),
+];
+
+/// The lines of `-v`: names, and milliseconds as they are written.
+fn stages(place: &Place, line: &str) -> Vec<(String, String)> {
+    let said = stderr(&place.succeed(line));
+    let times = said.lines().filter_map(|line| {
+        let line = line.strip_prefix("snell: ")?.strip_suffix(" ms")?;
+        let (name, time) = line.rsplit_once(' ')?;
+        Some((name.trim_end().to_owned(), time.to_owned()))
+    });
+    times.collect()
+}
+
+/// The scene with a picture on it, whose decoding takes its time.
+fn textured(place: &Place) {
+    let mut png = Cursor::new(Vec::new());
+    image::RgbImage::from_fn(256, 256, |x, y| {
+        image::Rgb([x as u8, y as u8, (x * y) as u8])
+    })
+    .write_to(&mut png, image::ImageFormat::Png)
+    .unwrap();
+    place.write("picture.png", png.get_ref());
+    let mut scene = scene();
+    scene["images"] = json!([{ "uri": "picture.png" }]);
+    scene["textures"] = json!([{ "source": 0 }]);
+    scene["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": 0 });
+    place.write("textured.gltf", scene.to_string().as_bytes());
+}
+
+/// One line for each stage, on standard error, by -v alone; each has a time, and that of the record.
 #[test]
 fn stages_are_said_with_their_times() {
     let place = Place::new();
-    let stages = |line: &str| -> Vec<String> {
-        let said = stderr(&place.succeed(line));
-        let times = said.lines().filter_map(|line| {
-            let line = line.strip_prefix("snell: ")?.strip_suffix(" ms")?;
-            let (name, time) = line.rsplit_once(' ')?;
-            assert!(time.parse::<f64>().unwrap() >= 0.0, "{line}");
-            Some(name.trim_end().to_owned())
-        });
-        times.collect()
-    };
-    let line = format!("render scene.gltf -o a.png {SMALL}");
-    assert_eq!(
-        stages(&format!("{line} --adapter llvmpipe -v")),
-        [
-            "load",
-            "images (of load)",
-            "pack",
-            "geometry (of pack)",
-            "open adapter, meanwhile",
-            "upload",
-            "compile",
-            "render",
-            "encode",
-            "write"
-        ]
-    );
-    assert!(stages(&format!("{line} --cpu")).is_empty());
-    let of_cpu = stages(&format!("{line} --cpu -v"));
-    assert!(!of_cpu.contains(&"compile".to_owned()) && of_cpu.contains(&"render".to_owned()));
+    textured(&place);
+    // Many pixels, so that no stage is too short to be seen in tenths of milliseconds.
+    let line = "render textured.gltf -o a.exr --report r.json --size 256x256 --spp 1";
+    for (renderer, lacks) in [
+        ("--adapter llvmpipe", &[][..]),
+        ("--cpu", &["upload", "compile"]),
+    ] {
+        let start = Instant::now();
+        let said = stages(&place, &format!("{line} {renderer} -v"));
+        let wall = start.elapsed().as_secs_f64() * 1e3;
+        let report: Value = serde_json::from_slice(&place.read("r.json")).unwrap();
+        let expected = STAGES.iter().filter(|(name, _)| !lacks.contains(name));
+        let names: Vec<&str> = expected.clone().map(|(name, _)| *name).collect();
+        let said_names: Vec<&str> = said.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(said_names, names);
+        for ((_, key), (name, time)) in expected.zip(&said) {
+            if let Some(exact) = report["times_ms"][key].as_f64() {
+                assert_eq!(*time, format!("{exact:.1}"), "{name}");
+                // Without a device there is none to open, but the file's stages are there.
+                let opens_none = renderer == "--cpu" && *key == "open_adapter";
+                assert!(opens_none || exact > 0.0, "{name}: {said:?}");
+            } else {
+                assert!(
+                    key.is_empty() && time.parse::<f64>().unwrap() > 0.0,
+                    "{name}"
+                );
+            }
+        }
+        let time = |name: &str| -> f64 {
+            let found = said.iter().find(|(said, _)| said == name);
+            found.map_or(0.0, |(_, time)| time.parse().unwrap())
+        };
+        assert!(time("images (of load)") <= time("load"));
+        assert!(time("geometry (of pack)") <= time("pack"));
+        let one_by_one = [
+            "load", "pack", "upload", "compile", "render", "encode", "write",
+        ];
+        let sum: f64 = one_by_one.map(time).iter().sum();
+        // What is rounded up is at most half a tenth a stage.
+        assert!(sum <= wall + 0.4, "{sum} of {wall}: {said:?}");
+    }
+    let quiet = format!("render scene.gltf -o b.png {SMALL} --cpu");
+    assert!(stages(&place, &quiet).is_empty());
 }
