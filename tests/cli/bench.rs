@@ -182,12 +182,11 @@ fn stages_are_said_with_their_times() {
         };
         assert!(time("images (of load)") <= time("load"));
         assert!(time("geometry (of pack)") <= time("pack"));
-        let one_by_one = [
-            "load", "pack", "upload", "compile", "render", "encode", "write",
-        ];
+        // Kernels may be compiled beside other work.
+        let one_by_one = ["load", "pack", "upload", "render", "encode", "write"];
         let sum: f64 = one_by_one.map(time).iter().sum();
         // What is rounded up is at most half a tenth a stage.
-        assert!(sum <= wall + 0.4, "{sum} of {wall}: {said:?}");
+        assert!(sum <= wall + 0.3, "{sum} of {wall}: {said:?}");
     }
     let quiet = format!("render scene.gltf -o b.png {SMALL} --cpu");
     assert!(stages(&place, &quiet).is_empty());

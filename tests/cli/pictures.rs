@@ -10,16 +10,17 @@ fn a_sample_range_is_that_part_of_the_samples() {
         ("first", "--samples 0..3"),
         ("rest", "--samples 3..8"),
         ("three", "--spp 3"),
+        ("five", "--spp 5"),
     ] {
         place.succeed(&format!(
             "render scene.gltf -o {name}.exr --aov samples,variance --cpu --size 8x6 {samples}"
         ));
     }
-    let [all, first, rest, three] =
-        ["all", "first", "rest", "three"].map(|n| place.read(&format!("{n}.exr")));
+    let [all, first, rest, three, five] =
+        ["all", "first", "rest", "three", "five"].map(|n| place.read(&format!("{n}.exr")));
     assert!(channel(&rest, "samples").iter().all(|&n| n == 5.0));
     let values = |bytes| channel(bytes, "G");
-    assert!(values(&first) == values(&three) && values(&first) != values(&rest));
+    assert!(values(&first) == values(&three) && values(&rest) != values(&five));
     // Parts average to the whole but for what the filter's weights of each part happen to sum to.
     let errors = channel(&all, "variance.G").into_iter().map(f32::sqrt);
     let parts = values(&first).into_iter().zip(values(&rest));
