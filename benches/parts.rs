@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use glam::Vec3A;
 use snell::bvh::{self, Bounds};
 use snell::gltf::{self, LoadOptions};
@@ -68,6 +68,7 @@ fn sheet(side: u16) -> Vec<Bounds> {
 
 fn hierarchy(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("bvh");
+    group.sampling_mode(SamplingMode::Flat);
     for side in [32, 256] {
         let boxes = sheet(side);
         group.throughput(Throughput::Elements(boxes.len() as u64));
@@ -81,6 +82,7 @@ fn hierarchy(criterion: &mut Criterion) {
 /// A textured file of the corpus where there is one, and one of our own.
 fn scenes(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("scene");
+    group.sampling_mode(SamplingMode::Flat);
     for name in [
         "../shared/corpus/core/FlightHelmet/FlightHelmet.gltf",
         "scenes/gallery.gltf",
@@ -116,6 +118,7 @@ fn stages(criterion: &mut Criterion) {
     for name in ["gallery", "glasses"] {
         let packed = packed(&format!("scenes/{name}.gltf"));
         let mut group = criterion.benchmark_group(format!("{name} on {}", gpu.info.name));
+        group.sampling_mode(SamplingMode::Flat);
         group.throughput(Throughput::Elements(PATHS));
         for (number, stage) in STAGES.iter().enumerate() {
             group.bench_function(*stage, |b| {
@@ -136,6 +139,7 @@ fn stages(criterion: &mut Criterion) {
 
 fn reference(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("reference");
+    group.sampling_mode(SamplingMode::Flat);
     group.throughput(Throughput::Elements(PATHS));
     for name in ["gallery", "glasses"] {
         let packed = packed(&format!("scenes/{name}.gltf"));
