@@ -212,6 +212,7 @@ pub struct Times {
     /// Goes on beside loading and packing.
     pub open_adapter: f64,
     pub upload: Option<f64>,
+    /// For the first picture, mostly beside packing.
     pub compile: Option<f64>,
     pub render: f64,
     /// Making the files' bytes; writing them comes after the report is made.
@@ -229,7 +230,7 @@ impl Times {
             (part("geometry", "pack"), Some(self.geometry)),
             ("open adapter, meanwhile".into(), Some(self.open_adapter)),
             ("upload".into(), self.upload),
-            ("compile".into(), self.compile),
+            ("compile, partly meanwhile".into(), self.compile),
             ("render".into(), Some(self.render)),
             ("encode".into(), write.map(|_| self.encode)),
             ("write".into(), write),
@@ -238,7 +239,7 @@ impl Times {
             .into_iter()
             .filter_map(|(name, time): (String, _)| Some((name, time?)));
         there
-            .map(|(name, time)| format!("{name:<24}{time:>10.1} ms"))
+            .map(|(name, time)| format!("{name:<26}{time:>10.1} ms"))
             .collect()
     }
 }

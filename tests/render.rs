@@ -11,11 +11,11 @@ use picture::*;
 use snell::film::Film;
 use snell::gpu::device::Gpu;
 use snell::gpu::fetch::ROW_BITS;
-use snell::gpu::kernel::Kernel;
-use snell::gpu::render::{RenderError, render, render_in_batches, sampled_pixels};
+use snell::gpu::render::{RenderError, compile_ahead, render, render_in_batches, sampled_pixels};
 use snell::gpu::upload::{Scene, UploadError};
 use snell::gpu::variant::Variants;
 use snell::gpu::wavefront::{FilmCell, Wavefront, kernels};
+use snell::pack::outline::Outline;
 use snell::pack::{Background, Packed, pack};
 use snell::render::Settings;
 use snell::scene::{AlphaMode, Environment, Model, Projection};
@@ -126,7 +126,7 @@ fn the_reference_does_not_depend_on_threads() {
 fn samples_in_two_ranges_are_the_samples_of_one() {
     let gpu = common::gpu();
     let packed = gallery();
-    let variants = Variants::general(&packed);
+    let variants = Variants::general(&Outline::of(&packed));
     let cells = |samples: Range<u32>| cells(&gpu, &packed, &variants, samples);
     let (first, second, both) = (cells(0..3), cells(3..6), cells(0..6));
     for ((a, b), c) in first.iter().zip(&second).zip(&both) {
@@ -255,15 +255,16 @@ fn no_submission_nears_a_watchdogs_two_seconds() {
     assert!(statistics.longest_submission.as_secs_f64() < 2.0);
 }
 
-/// Those that `compile` makes side by side are all that a wavefront asks for, so that none is made by itself.
+/// Those that are compiled side by side, while a scene is packed, are all that a wavefront asks for.
 #[test]
 fn every_kernel_is_compiled_ahead() {
     let gpu = common::gpu();
     let packed = packed(&load_scene(&project("scenes/mirror.gltf")), [8, 8]);
     let scene = Scene::upload(&gpu, &packed).unwrap();
-    let variants = Variants::of(&packed, &scene.constants());
+    let outline = Outline::of(&packed);
+    let variants = Variants::of(&outline, &gpu.constants());
     let kernels = kernels(&variants);
-    Kernel::compile(&gpu, &kernels).unwrap();
+    compile_ahead(&gpu, &outline).unwrap();
     assert_eq!(gpu.kernel_count(), kernels.len());
     Wavefront::new(&gpu, scene, &variants, 64, 64).unwrap();
     assert_eq!(gpu.kernel_count(), kernels.len());
@@ -282,8 +283,18 @@ fn a_variant_shows_what_the_general_kernels_show() {
     ] {
         let packed = packed(&load_scene(&project(path)), [64, 48]);
         let (general, variant) = (
-            cells(&gpu, &packed, &Variants::general(&packed), 0..2),
-            cells(&gpu, &packed, &Variants::of(&packed, &[]), 0..2),
+            cells(
+                &gpu,
+                &packed,
+                &Variants::general(&Outline::of(&packed)),
+                0..2,
+            ),
+            cells(
+                &gpu,
+                &packed,
+                &Variants::of(&Outline::of(&packed), &[]),
+                0..2,
+            ),
         );
         let differing = general
             .iter()

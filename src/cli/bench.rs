@@ -16,6 +16,7 @@ use crate::bvh::{self, Bounds};
 use crate::error::Error;
 use crate::gltf::{self, EnvironmentSource, LoadOptions};
 use crate::gpu::wavefront::STAGES;
+use crate::pack::outline::Outline;
 use crate::pack::{self, Background, Packed, Packer, View};
 use crate::progress::Progress;
 use crate::render::Settings;
@@ -237,11 +238,14 @@ fn measure(args: &BenchArgs) -> Result<Bench, Error> {
         let start = Instant::now();
         let view = view(args, &scene);
         let mut packer = Packer::default();
-        let packed = packer.pack(&scene, &view)?;
+        let mut tell = (opening.as_ref()).map(|opening| |outline| opening.foresee(outline));
+        let tell = tell.as_mut().map(|tell| tell as &mut dyn FnMut(Outline));
+        let packed = packer.pack_and_tell(&scene, &view, tell)?;
         times.pack = milliseconds(start.elapsed());
         times.geometry = milliseconds(packer.geometry_time);
-        let (renderer, time) = Renderer::wait(opening, args.adapter.as_deref())?;
-        times.open_adapter = milliseconds(time);
+        let (renderer, meanwhile) = Renderer::wait(opening, args.adapter.as_deref())?;
+        times.open_adapter = milliseconds(meanwhile.open);
+        times.compile = Some(milliseconds(meanwhile.compile));
         Ok::<_, Error>((scene, view, packed, renderer))
     })?;
     let rendered = renderer.render(&packed, &settings, &mut quiet, &mut times)?;

@@ -17,6 +17,7 @@ use crate::film::Film;
 use crate::gltf::{EnvironmentSource, Loaded};
 use crate::output::tonemap::Tonemap;
 use crate::output::{self, Channels, Format, Look, Place, Window};
+use crate::pack::outline::Outline;
 use crate::progress::Progress;
 use crate::render::Settings;
 use crate::report::{self, Facts, Times};
@@ -236,12 +237,16 @@ impl Work<'_> {
     fn picture(&mut self, shot: Shot, mut times: Times) -> Result<(), Error> {
         let started = Instant::now();
         let args = self.args;
-        let job = self.studio.prepare(shot, &mut times)?;
+        let mut tell = (self.opening.as_ref()).map(|opening| |outline| opening.foresee(outline));
+        let tell = tell.as_mut().map(|tell| tell as &mut dyn FnMut(Outline));
+        let job = self.studio.prepare(shot, &mut times, tell)?;
         let renderer = match &mut self.renderer {
             Some(renderer) => renderer,
             closed => {
-                let (opened, time) = Renderer::wait(self.opening.take(), args.adapter.as_deref())?;
-                times.open_adapter = report::milliseconds(time);
+                let (opened, meanwhile) =
+                    Renderer::wait(self.opening.take(), args.adapter.as_deref())?;
+                times.open_adapter = report::milliseconds(meanwhile.open);
+                times.compile = Some(report::milliseconds(meanwhile.compile));
                 closed.insert(opened)
             }
         };

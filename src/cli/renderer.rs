@@ -1,6 +1,7 @@
 //! What renders: an adapter, or the CPU.
 
 use std::panic::resume_unwind;
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
@@ -9,6 +10,7 @@ use crate::error::Error;
 use crate::film::Film;
 use crate::gpu::device::{self, DeviceError, Gpu};
 use crate::pack::Packed;
+use crate::pack::outline::Outline;
 use crate::progress::Progress;
 use crate::render::{Counts, Settings};
 use crate::report::{self, Times};
@@ -25,9 +27,19 @@ pub struct Rendered {
     pub counts: Counts,
 }
 
-/// A renderer that is opened while something else goes on: drivers take their time. Kernels check their indices
-/// if `checked`.
-pub struct Opening<'scope>(ScopedJoinHandle<'scope, (Result<Gpu, DeviceError>, Duration)>);
+/// A renderer that is opened while something else goes on, and its kernels compiled once it is known which:
+/// drivers take their time. Kernels check their indices if `checked`.
+pub struct Opening<'scope> {
+    thread: ScopedJoinHandle<'scope, (Result<Gpu, DeviceError>, Meanwhile)>,
+    outline: Sender<Outline>,
+}
+
+/// What was done beside something else.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Meanwhile {
+    pub open: Duration,
+    pub compile: Duration,
+}
 
 impl<'scope> Opening<'scope> {
     /// `None` without work to do: the CPU is there.
@@ -37,38 +49,58 @@ impl<'scope> Opening<'scope> {
         adapter: Option<&'scope str>,
         checked: bool,
     ) -> Option<Self> {
+        let (outline, outlines) = channel();
         let open = move || {
             let start = Instant::now();
             let opened = device::open(adapter).map(|mut gpu| {
                 gpu.checked |= checked;
                 gpu
             });
-            (opened, start.elapsed())
+            let mut meanwhile = Meanwhile {
+                open: start.elapsed(),
+                ..Meanwhile::default()
+            };
+            if let (Ok(gpu), Ok(outline)) = (&opened, outlines.recv()) {
+                let start = Instant::now();
+                if let Err(fault) = gpu::render::compile_ahead(gpu, &outline) {
+                    // It comes up again where it can be said, if these are the scene's kernels.
+                    log::debug!("compiling ahead: {fault}");
+                }
+                meanwhile.compile = start.elapsed();
+            }
+            (opened, meanwhile)
         };
-        (!cpu).then(|| Self(scope.spawn(open)))
+        (!cpu).then(|| Self {
+            thread: scope.spawn(open),
+            outline,
+        })
+    }
+
+    /// Tells what the first picture's scene is like.
+    pub fn foresee(&self, outline: Outline) {
+        // Nobody listens where the adapter did not open, which `Renderer::wait` says.
+        let _ = self.outline.send(outline);
     }
 }
 
 impl Renderer {
-    /// The adapter, or the CPU where it is asked for or there is no adapter at all; and how long that took.
+    /// The adapter, or the CPU where it is asked for or there is no adapter at all; and how long what took.
     pub fn wait(
         opening: Option<Opening<'_>>,
         adapter: Option<&str>,
-    ) -> Result<(Self, Duration), Error> {
-        let Some(opening) = opening else {
-            return Ok((Self::Cpu, Duration::ZERO));
+    ) -> Result<(Self, Meanwhile), Error> {
+        let Some(Opening { thread, outline }) = opening else {
+            return Ok((Self::Cpu, Meanwhile::default()));
         };
-        let (opened, time) = opening
-            .0
-            .join()
-            .unwrap_or_else(|panic| resume_unwind(panic));
+        drop(outline);
+        let (opened, meanwhile) = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
         match opened {
-            Ok(gpu) => Ok((Self::Gpu(Box::new(gpu)), time)),
+            Ok(gpu) => Ok((Self::Gpu(Box::new(gpu)), meanwhile)),
             Err(error @ (DeviceError::NoAdapter | DeviceError::BelowDefaults { .. }))
                 if adapter.is_none() =>
             {
                 super::say(&format!("rendering on the CPU: {error}"));
-                Ok((Self::Cpu, time))
+                Ok((Self::Cpu, meanwhile))
             }
             Err(error) => Err(error.into()),
         }
@@ -95,7 +127,8 @@ impl Renderer {
                     progress.update(p.done, p.total);
                 })?;
                 times.upload = Some(report::milliseconds(statistics.upload));
-                times.compile = Some(report::milliseconds(statistics.compile));
+                let ahead = times.compile.unwrap_or(0.0);
+                times.compile = Some(ahead + report::milliseconds(statistics.compile));
                 times.render = report::milliseconds(statistics.render);
                 let counts = statistics.counts;
                 Ok(Rendered { film, counts })

@@ -10,6 +10,7 @@ use super::value::Background;
 use super::view::{self, Stage};
 use crate::error::Error;
 use crate::gltf::{self, Asset, LoadOptions, Loaded, Treatment};
+use crate::pack::outline::Outline;
 use crate::pack::{self, Packed, Packer, View};
 use crate::report::{self, Times};
 
@@ -59,8 +60,13 @@ impl<'a> Studio<'a> {
         })
     }
 
-    /// Loads and packs a picture's moment.
-    pub fn prepare(&mut self, shot: Shot, times: &mut Times) -> Result<Job, Error> {
+    /// Loads and packs a picture's moment; see `Packer::pack_and_tell`.
+    pub fn prepare(
+        &mut self,
+        shot: Shot,
+        times: &mut Times,
+        tell: Option<&mut dyn FnMut(Outline)>,
+    ) -> Result<Job, Error> {
         let args = self.args;
         let start = Instant::now();
         let loaded = self.load(shot.seconds)?;
@@ -74,7 +80,7 @@ impl<'a> Studio<'a> {
             self.stage = Some(self.survey(&loaded, &shot)?);
         }
         let (camera, camera_name) = view::choose(scene, args, self.stage.as_ref(), shot.turn)?;
-        let mut packed = self.packer.pack(
+        let mut packed = self.packer.pack_and_tell(
             scene,
             &View {
                 camera,
@@ -88,6 +94,7 @@ impl<'a> Studio<'a> {
                 },
                 clamp: args.clamp.map(|limit| limit as f32),
             },
+            tell,
         )?;
         view::focus(scene, args, &mut packed)?;
         times.pack = report::milliseconds(start.elapsed());

@@ -1,13 +1,14 @@
 //! Renders a packed scene on an adapter: tiles of the picture, each through all its samples.
 
 use super::device::{Fault, Gpu};
-use super::kernel::KernelError;
+use super::kernel::{Kernel, KernelError};
 use super::upload::{Scene, UploadError};
 use super::variant::Variants;
-use super::wavefront::{FilmCell, STAGES, Wavefront};
+use super::wavefront::{FilmCell, STAGES, Wavefront, kernels};
 use crate::cpu::filter::FILTER_REACH;
 use crate::film::{Film, FilmPixel, Weighted};
 use crate::pack::Packed;
+use crate::pack::outline::Outline;
 use crate::render::{Counts, Progress, Settings};
 use crate::shared::Frame;
 use std::ops::Range;
@@ -16,10 +17,11 @@ use thiserror::Error;
 
 /// Side of a tile in pixels. A tile's film stays on the device until all its samples are in.
 const TILE: u32 = 256;
-/// Paths of the first dispatch, whose time says how many the next ones may have.
-const FIRST_PATHS: u32 = 1 << 16;
-/// No more paths than this at a time: 52 MiB of state.
-const MOST_PATHS: u32 = 1 << 18;
+/// Paths of the first dispatch, whose time says how many the next ones may have: a sample of a whole tile. Software
+/// has no watchdog that would end a long one, and begins with `MOST_PATHS`.
+const FIRST_PATHS: u32 = (TILE + 2 * FILTER_REACH).pow(2);
+/// No more paths than this at a time: 53 MiB of state.
+const MOST_PATHS: u32 = 4 * FIRST_PATHS;
 /// No more samples of a pixel than this at a time: `accumulate` adds them and their neighbours in loops, and Mesa up
 /// to 22.3 ends all loops of an invocation after 65 536 rounds in all.
 const MOST_SAMPLES: u32 = 1 << 12;
@@ -77,7 +79,11 @@ pub fn render(
     settings: &Settings,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<(Film, Statistics), RenderError> {
-    render_in_batches(gpu, packed, settings, FIRST_PATHS..MOST_PATHS, progress)
+    let first = match gpu.info.device_type {
+        wgpu::DeviceType::Cpu => MOST_PATHS,
+        _ => FIRST_PATHS,
+    };
+    render_in_batches(gpu, packed, settings, first..MOST_PATHS, progress)
 }
 
 /// `render` with the number of paths of the first dispatch, and the most of any.
@@ -203,13 +209,26 @@ fn prepare(
         .min(most)
         // At least one sample of a whole tile.
         .max(sampled);
-    let variants = Variants::of(packed, &[scene.constants(), gpu.constants()].concat());
+    let more = [scene.constants(), gpu.constants()].concat();
+    let variants = Variants::of(&Outline::of(packed), &more);
     let wavefront = Wavefront::new(gpu, scene, &variants, capacity as u32, width * height)?;
     if let Some(fault) = gpu.take_fault() {
         return Err(fault.into());
     }
     statistics.compile += start.elapsed();
     Ok(wavefront)
+}
+
+/// Compiles the kernels of a scene that is still being packed. Where the scene turns out otherwise, those that it
+/// needs are compiled when it is rendered.
+pub fn compile_ahead(gpu: &Gpu, outline: &Outline) -> Result<(), KernelError> {
+    let variants = Variants::of(outline, &gpu.constants());
+    let compile = || Kernel::compile(gpu, &kernels(&variants));
+    // Threads of its own: packing would wait for those that all share until they have compiled.
+    match rayon::ThreadPoolBuilder::new().build() {
+        Ok(pool) => pool.install(compile),
+        Err(_) => compile(),
+    }
 }
 
 /// A render under way.

@@ -2,10 +2,12 @@
 
 use super::link::Value;
 use crate::cpu::bsdf::lobe::ALPHA_SMOOTH;
-use crate::pack::Packed;
+use crate::pack::material::triangle_flags;
+use crate::pack::outline::Outline;
 use crate::shared::{
-    BSDF_GLTF, BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_SPECULAR_GLOSSINESS,
-    MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE, Material, NONE, TRIANGLE_CLASS, Texture, Triangle,
+    BSDF_GLTF, BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_ALPHA_BLEND,
+    MATERIAL_ALPHA_MASK, MATERIAL_SPECULAR_GLOSSINESS, MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE,
+    Material, NONE, TRIANGLE_CLASS, Texture,
 };
 
 const _: () = assert!(CLASSES <= TRIANGLE_CLASS + 1, "a class that has no room");
@@ -23,71 +25,61 @@ pub struct Variants {
 
 impl Variants {
     /// Those of a scene; `more` goes with all kernels.
-    pub fn of(packed: &Packed, more: &[(&'static str, Value)]) -> Self {
+    pub fn of(outline: &Outline, more: &[(&'static str, Value)]) -> Self {
         let all = |mut constants: Constants| {
             constants.extend(more);
             constants
         };
-        let hit = classes(packed).map(|class| (class, all(class_constants(packed, class))));
+        let hit = classes(outline).map(|class| (class, all(class_constants(outline, class))));
         let miss = [("SHADED_CLASS", Value::Uint(CLASS_MISS))].into_iter();
-        let miss = miss.chain(constants(packed)).collect();
+        let miss = miss.chain(constants(outline)).collect();
         Self {
-            scene: all(constants(packed)),
+            scene: all(constants(outline)),
             classes: hit.chain([(CLASS_MISS, all(miss))]).collect(),
         }
     }
 
     /// Kernels that take nothing for granted, for all classes of a scene.
-    pub fn general(packed: &Packed) -> Self {
+    pub fn general(outline: &Outline) -> Self {
         let class = |class| (class, vec![("SHADED_CLASS", Value::Uint(class))]);
         Self {
             scene: Vec::new(),
-            classes: classes(packed).chain([CLASS_MISS]).map(class).collect(),
+            classes: classes(outline).chain([CLASS_MISS]).map(class).collect(),
         }
     }
 }
 
+fn class_of(material: &Material) -> u32 {
+    triangle_flags(material) & TRIANGLE_CLASS
+}
+
 /// The classes of the scene's surfaces.
-fn classes(packed: &Packed) -> impl Iterator<Item = u32> {
+fn classes(outline: &Outline) -> impl Iterator<Item = u32> {
     let mut there = [false; CLASSES as usize];
-    for triangle in &packed.triangles {
-        there[(triangle.flags & TRIANGLE_CLASS) as usize] = true;
+    for material in &outline.materials {
+        there[class_of(material) as usize] = true;
     }
     (0..CLASSES).filter(move |&class| there[class as usize])
 }
 
-/// Materials that some triangle has.
-fn used_materials(packed: &Packed, counts: impl Fn(&Triangle) -> bool) -> Vec<&Material> {
-    let mut used = vec![false; packed.materials.len()];
-    for triangle in packed.triangles.iter().filter(|triangle| counts(triangle)) {
-        used[triangle.material as usize] = true;
-    }
-    packed
-        .materials
-        .iter()
-        .zip(used)
-        .filter_map(|(material, used)| used.then_some(material))
-        .collect()
-}
-
-/// The constants of kernels that meet all materials. Those that no triangle has do not count.
-pub fn constants(packed: &Packed) -> Constants {
-    let materials = used_materials(packed, |_| true);
-    let mut constants = scene_constants(packed, &materials);
+/// The constants of kernels that meet all materials.
+pub fn constants(outline: &Outline) -> Constants {
+    let materials: Vec<&Material> = outline.materials.iter().collect();
+    let mut constants = scene_constants(outline);
     constants.extend(material_constants(&materials));
     constants
 }
 
 /// The constants of the kernel that shades the surfaces of one class.
-fn class_constants(packed: &Packed, class: u32) -> Constants {
-    let all = used_materials(packed, |_| true);
-    let own = used_materials(packed, |triangle| triangle.flags & TRIANGLE_CLASS == class);
+fn class_constants(outline: &Outline, class: u32) -> Constants {
+    let all = outline.materials.iter();
+    let own: Vec<&Material> = all.clone().filter(|m| class_of(m) == class).collect();
     let mut constants = vec![("SHADED_CLASS", Value::Uint(class))];
-    constants.extend(scene_constants(packed, &all));
+    constants.extend(scene_constants(outline));
     constants.extend(material_constants(&own));
     // A boundary to a medium with an index of 0, which reflects everything, is a mirror.
     if all
-        .iter()
+        .clone()
         .any(|m| m.flags & MATERIAL_TRANSMISSIVE != 0 && m.ior <= 0.0)
     {
         constants.retain(|(name, _)| !["OPAQUE", "DIFFUSE"].contains(name));
@@ -96,39 +88,28 @@ fn class_constants(packed: &Packed, class: u32) -> Constants {
 }
 
 /// What the way of light through the scene depends on, whatever surface is shaded.
-fn scene_constants(packed: &Packed, materials: &[&Material]) -> Constants {
-    let some =
-        |test: fn(&Material) -> bool| Value::Bool(materials.iter().any(|material| test(material)));
-    let kinds = packed.lights.iter().map(|light| 1 << light.kind);
-    let lights = kinds.fold(0, |all, kind| all | kind);
+fn scene_constants(outline: &Outline) -> Constants {
+    let some = |test: fn(&Material) -> bool| Value::Bool(outline.materials.iter().any(test));
     vec![
-        ("LENS", Value::Bool(packed.frame.camera.lens_radius > 0.0)),
-        ("CAMERAS", Value::Uint(1 << packed.frame.camera.kind)),
+        ("LENS", Value::Bool(outline.camera.lens_radius > 0.0)),
+        ("CAMERAS", Value::Uint(1 << outline.camera.kind)),
         (
             "PROFILES",
-            Value::Bool(
-                packed
-                    .lights
-                    .iter()
-                    .any(|light| light.kind == LIGHT_PROFILE),
-            ),
+            Value::Bool(outline.light_kinds & 1 << LIGHT_PROFILE != 0),
         ),
-        ("LIGHTS", Value::Uint(lights)),
-        ("MANY_LIGHTS", Value::Bool(packed.lights.len() > 1)),
+        ("LIGHTS", Value::Uint(outline.light_kinds)),
+        ("MANY_LIGHTS", Value::Bool(outline.many_lights)),
+        ("ENVIRONMENT", Value::Bool(outline.environment)),
+        ("INSTANCES", Value::Bool(outline.two_levels)),
+        ("LIGHT_TREE", Value::Bool(outline.light_tree)),
+        ("MOTION", Value::Bool(outline.moves)),
         (
-            "ENVIRONMENT",
-            Value::Bool(packed.frame.environment_strength != 0.0),
+            "TEST_ALPHA",
+            some(|m| m.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND) != 0),
         ),
-        ("INSTANCES", Value::Bool(packed.frame.mesh_root == 0)),
-        (
-            "LIGHT_TREE",
-            Value::Bool(packed.frame.light_tree_leaves != 0),
-        ),
-        ("MOTION", Value::Bool(packed.moves())),
-        ("TEST_ALPHA", Value::Bool(packed.frame.has_alpha != 0)),
         ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),
         ("DISPERSION", some(|m| m.dispersion > 0.0)),
-        ("THIN_WALLS", Value::Bool(packed.frame.has_thin_walls != 0)),
+        ("THIN_WALLS", some(|m| m.flags & MATERIAL_THIN_WALLED != 0)),
         (
             "BASE_COLOR_TEXTURES",
             some(|m| any(&[&m.base_color_texture])),

@@ -58,17 +58,18 @@ pub struct KnownMeshes {
 }
 
 /// Packs the meshes in parallel, then puts them one after the other behind the top-level hierarchy
-/// over their instances. What is `known` is not packed again, and becomes what this scene needs.
+/// over their instances; the instances of the numbers `baked` become one mesh, if they can (`bake::choose`). What is `known` is not packed again, and becomes what this scene needs.
 pub fn pack_geometry(
     scene: &Scene,
+    baked: &[usize],
     mut known: Option<&mut KnownMeshes>,
 ) -> Result<Geometry, PackError> {
     if let Some(known) = &mut known {
         known.new = 0;
     }
     let mut apart = vec![true; scene.instances.len()];
-    let chosen = bake::choose(scene);
-    let baked = bake::pack_baked(scene, &chosen, known.as_deref_mut());
+    let chosen = baked;
+    let baked = bake::pack_baked(scene, chosen, known.as_deref_mut());
     if baked.is_some() {
         chosen.iter().for_each(|&number| apart[number] = false);
     }
@@ -103,8 +104,7 @@ pub fn pack_geometry(
                 keys: instance.motion.len(),
             });
         }
-        // What moves is there at some time if it is there at one of its keys.
-        if !keys(instance).any(is_invertible) {
+        if !is_placed(instance) {
             continue;
         }
         // Between keys a point goes straight from one to the next, so it stays in the box of both.
@@ -168,6 +168,11 @@ pub fn pack_geometry(
         geometry.mesh_root = instance.root;
     }
     Ok(geometry)
+}
+
+/// Whether there is a surface to hit: what moves is there at some time if it is there at one of its keys.
+pub fn is_placed(instance: &scene::Instance) -> bool {
+    keys(instance).any(is_invertible)
 }
 
 /// Where an instance is when the shutter opens and at its further keys.

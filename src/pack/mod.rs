@@ -9,6 +9,7 @@ pub mod lights;
 pub mod material;
 pub mod mesh;
 pub mod model;
+pub mod outline;
 pub mod texture;
 
 use crate::bvh::{Bounds, Hierarchy, MAX_DEPTH};
@@ -23,6 +24,7 @@ use bytemuck::Zeroable;
 use environment::PackedEnvironment;
 use geometry::Geometry;
 use glam::{Vec3, Vec4};
+use outline::Outline;
 use std::time::{Duration, Instant};
 
 /// Everything a renderer reads, as it goes to the GPU byte for byte.
@@ -149,7 +151,17 @@ pub struct Packer {
 
 impl Packer {
     pub fn pack(&mut self, scene: &Scene, view: &View) -> Result<Packed, PackError> {
-        pack_with(scene, view, Some(self))
+        pack_with(scene, view, Some(self), None)
+    }
+
+    /// The same; `tell` hears what kernels there will be before meshes are packed.
+    pub fn pack_and_tell(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        tell: Option<&mut dyn FnMut(Outline)>,
+    ) -> Result<Packed, PackError> {
+        pack_with(scene, view, Some(self), tell)
     }
 
     /// How many meshes and images the last picture brought; what stands still is one mesh.
@@ -164,10 +176,15 @@ impl Packer {
 /// An instance whose transform has no inverse in single precision (a scale of zero) has no surface to
 /// hit and is left out, as is one whose mesh has no triangles.
 pub fn pack(scene: &Scene, view: &View) -> Result<Packed, PackError> {
-    pack_with(scene, view, None)
+    pack_with(scene, view, None, None)
 }
 
-fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<Packed, PackError> {
+fn pack_with(
+    scene: &Scene,
+    view: &View,
+    packer: Option<&mut Packer>,
+    tell: Option<&mut dyn FnMut(Outline)>,
+) -> Result<Packed, PackError> {
     let (meshes, images, geometry_time) = match packer {
         Some(packer) => (
             Some(&mut packer.meshes),
@@ -182,8 +199,19 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         .iter()
         .map(|material| material::pack_material(material, &textures))
         .collect::<Result<Vec<_>, _>>()?;
+    let profiles = lights::place_profiles(&scene.profiles, &mut textures.texels)?;
+    let punctual: Vec<Light> = (scene.lights.iter())
+        .map(|light| lights::punctual_light(light, &profiles))
+        .collect();
+    let camera = camera::pack_camera(&view.camera, view.film_size)?;
     let start = Instant::now();
-    let mut geometry = geometry::pack_geometry(scene, meshes)?;
+    let baked = bake::choose(scene);
+    if let Some(tell) = tell {
+        tell(Outline::foresee(
+            scene, &materials, camera, &punctual, &baked,
+        ));
+    }
+    let mut geometry = geometry::pack_geometry(scene, &baked, meshes)?;
     if let Some(time) = geometry_time {
         *time = start.elapsed();
     }
@@ -195,14 +223,7 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         .environment
         .as_ref()
         .map(environment::build_environment);
-    let profiles = lights::place_profiles(&scene.profiles, &mut textures.texels)?;
-    let mut lights = gather_lights(
-        scene,
-        &geometry,
-        &materials,
-        &profiles,
-        environment.as_ref(),
-    );
+    let mut lights = gather_lights(scene, &geometry, &materials, punctual, environment.as_ref());
     let radius = 0.5 * diagonal(geometry.bounds);
     let weights = lights::build_lights(&mut lights, radius);
     let light_tree = light_tree::build_light_tree(&mut lights, &mut textures.texels, radius)?;
@@ -220,7 +241,7 @@ fn pack_with(scene: &Scene, view: &View, packer: Option<&mut Packer>) -> Result<
         Background::Transparent => (BACKGROUND_TRANSPARENT, [0.0; 3]),
     };
     let mut frame = Frame {
-        camera: camera::pack_camera(&view.camera, view.film_size)?,
+        camera,
         background,
         background_kind,
         environment_cos: 1.0,
@@ -283,19 +304,16 @@ fn check_depth(
     }
 }
 
-/// Everything that a path may aim at: punctual lights, the triangles of emissive materials wherever
+/// Everything that a path may aim at: the `punctual` lights, the triangles of emissive materials wherever
 /// they are placed, and the environment. Triangles without area send nothing and are left out.
 fn gather_lights(
     scene: &Scene,
     geometry: &Geometry,
     materials: &[Material],
-    profiles: &[lights::PlacedProfile],
+    punctual: Vec<Light>,
     environment: Option<&PackedEnvironment>,
 ) -> Vec<Light> {
-    let punctual = scene.lights.iter();
-    let mut all: Vec<Light> = punctual
-        .map(|light| lights::punctual_light(light, profiles))
-        .collect();
+    let mut all = punctual;
     // Of the meshes, not of their instances, of which there may be millions.
     let shines = |&index: &u32| {
         let material = geometry.triangles[index as usize].material;

@@ -43,6 +43,13 @@ pub struct Mesh {
     pub primitives: Vec<Primitive>,
 }
 
+impl Mesh {
+    pub fn triangle_count(&self) -> usize {
+        let primitives = self.primitives.iter();
+        primitives.map(|primitive| primitive.triangles.len()).sum()
+    }
+}
+
 /// Triangles with one material. All attributes are as long as `positions`.
 #[derive(Clone, Debug, Default)]
 pub struct Primitive {

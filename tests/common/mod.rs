@@ -12,7 +12,9 @@ use snell::gpu::kernel::Kernel;
 use snell::gpu::link::link_text;
 use snell::gpu::read::read;
 use snell::gpu::upload::Scene;
+use snell::gpu::variant::constants;
 use snell::pack::Packed;
+use snell::pack::outline::Outline;
 
 /// Opens lavapipe. No adapter is a failure that says what to install, never a skipped test.
 pub fn gpu() -> Gpu {
@@ -65,7 +67,7 @@ pub fn run_on(
     // A scene of tables alone has nothing that lobes could be left out for.
     let mut constants = packed
         .filter(|packed| !packed.triangles.is_empty())
-        .map(snell::gpu::variant::constants)
+        .map(|packed| constants(&Outline::of(packed)))
         .unwrap_or_default();
     let scene = packed.map(|packed| Scene::upload(gpu, packed).unwrap());
     constants.extend(scene.iter().flat_map(Scene::constants));

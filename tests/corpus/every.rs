@@ -4,6 +4,7 @@ use crate::common::gpu;
 use crate::picture::*;
 use snell::compare::relative_within;
 use snell::film::Film;
+use snell::pack::outline::Outline;
 use snell::pack::{Background, Packer, View};
 use std::path::{Path, PathBuf};
 
@@ -53,8 +54,12 @@ fn every_file_renders_on_both_sides() {
             background: Background::Transparent,
             ..view(&scene, SIZE)
         };
-        let packed = packer.pack(&scene, &view);
+        let mut told = None;
+        let packed = packer.pack_and_tell(&scene, &view, Some(&mut |outline| told = Some(outline)));
         let packed = packed.unwrap_or_else(|error| panic!("{name}: {error}"));
+        if told != Some(Outline::of(&packed)) {
+            faults.push(format!("{name}: its kernels were not foreseen"));
+        }
         let settings = whole(&packed, 1);
         let films = [
             ("lavapipe", on_gpu(&mut gpu, &packed, &settings)),

@@ -9,6 +9,7 @@ use snell::gpu::kernel::Kernel;
 use snell::gpu::link::link;
 use snell::gpu::variant::{Constants, Variants};
 use snell::pack::Packed;
+use snell::pack::outline::Outline;
 use snell::scene::bsdf_model::{Alpha, BsdfModel, Distribution};
 use snell::scene::{Environment, Material, Mesh, Model};
 use snell::shared::CLASS_MISS;
@@ -207,7 +208,7 @@ fn assert_seen(packed: &Packed, breaks: &[Break]) {
     let settings = whole(packed, SAMPLES);
     let reference = on_cpu(packed, &settings);
     let mut gpu = common::gpu();
-    let variants = Variants::of(packed, &gpu.constants());
+    let variants = Variants::of(&Outline::of(packed), &gpu.constants());
     let mut unseen = Vec::new();
     for Break {
         name,
