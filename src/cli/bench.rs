@@ -245,7 +245,7 @@ fn measure(args: &BenchArgs) -> Result<Bench, Error> {
         times.geometry = milliseconds(packer.geometry_time);
         let (renderer, meanwhile) = Renderer::wait(opening, args.adapter.as_deref())?;
         times.open_adapter = milliseconds(meanwhile.open);
-        times.compile = Some(milliseconds(meanwhile.compile));
+        times.compile = meanwhile.compile.map(milliseconds);
         Ok::<_, Error>((scene, view, packed, renderer))
     })?;
     let rendered = renderer.render(&packed, &settings, &mut quiet, &mut times)?;

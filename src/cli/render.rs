@@ -246,7 +246,7 @@ impl Work<'_> {
                 let (opened, meanwhile) =
                     Renderer::wait(self.opening.take(), args.adapter.as_deref())?;
                 times.open_adapter = report::milliseconds(meanwhile.open);
-                times.compile = Some(report::milliseconds(meanwhile.compile));
+                times.compile = meanwhile.compile.map(report::milliseconds);
                 closed.insert(opened)
             }
         };

@@ -38,7 +38,8 @@ pub struct Opening<'scope> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Meanwhile {
     pub open: Duration,
-    pub compile: Duration,
+    /// `None`: nothing was.
+    pub compile: Option<Duration>,
 }
 
 impl<'scope> Opening<'scope> {
@@ -66,7 +67,7 @@ impl<'scope> Opening<'scope> {
                     // It comes up again where it can be said, if these are the scene's kernels.
                     log::debug!("compiling ahead: {fault}");
                 }
-                meanwhile.compile = start.elapsed();
+                meanwhile.compile = Some(start.elapsed());
             }
             (opened, meanwhile)
         };
