@@ -19,7 +19,7 @@ pub struct Progress {
 }
 
 /// What a renderer did, for the record.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub closest_rays: u64,
     pub shadow_rays: u64,

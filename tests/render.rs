@@ -184,23 +184,56 @@ fn a_pixel_keeps_more_samples_than_drivers_run_rounds() {
     }
 }
 
+/// Two tiles, a dispatch for each sample number; the device is lost in the first, or in the second.
 #[test]
 fn a_lost_device_is_opened_again() {
-    let mut gpu = common::gpu();
     let packed = gallery();
     let settings = whole(&packed, 8);
-    let undisturbed = on_gpu(&mut gpu, &packed, &settings);
-    let device = gpu.device.clone();
-    let mut calls = 0;
-    let (film, _) = render_in_batches(&mut gpu, &packed, &settings, 1..2, &mut |_| {
-        calls += 1;
-        if calls == 6 {
-            device.destroy();
-        }
-    })
-    .unwrap();
-    assert!(calls > 8, "{calls}: the tile was begun anew");
-    assert!(film == undisturbed);
+    let [first, second] = [256 * 21, 16 * 21].map(|pixels| (1..=8).map(move |n| n * pixels));
+    let all: Vec<u64> = first
+        .clone()
+        .chain(second.map(|done| 8 * 256 * 21 + done))
+        .collect();
+    let opened = common::gpu();
+    let settings_of = |gpu: &Gpu| (gpu.checked, gpu.arrays_in_textures, gpu.skips_branches);
+    let (checked, textures, skips) = settings_of(&opened);
+    let chosen = (!checked, !textures, !skips);
+    let render = |lost_at: Option<usize>| {
+        let mut gpu = common::gpu();
+        (gpu.checked, gpu.arrays_in_textures, gpu.skips_branches) = chosen;
+        let device = gpu.device.clone();
+        let mut seen = Vec::new();
+        let (film, statistics) =
+            render_in_batches(&mut gpu, &packed, &settings, 1..2, &mut |progress| {
+                seen.push(progress.done);
+                assert_eq!(progress.total, 272 * 21 * 8);
+                if Some(seen.len()) == lost_at {
+                    device.destroy();
+                }
+            })
+            .unwrap();
+        assert_eq!(settings_of(&gpu), chosen);
+        (film, statistics.counts, seen)
+    };
+    let (film, counts, seen) = render(None);
+    assert_eq!(seen, all);
+    for (lost_at, start_of_tile) in [(6, 0), (12, 8)] {
+        let (again, counts_again, seen) = render(Some(lost_at));
+        // The tile is begun anew, with what was done before it, and counted once.
+        assert_eq!(seen, [&all[..lost_at], &all[start_of_tile..]].concat());
+        assert!(again == film, "lost at {lost_at}");
+        assert_eq!(counts_again, counts, "lost at {lost_at}");
+    }
+}
+
+/// What is asked of the driver's name and version stands where it is looked for.
+#[test]
+fn the_driver_says_which_mesa_it_is() {
+    let gpu = common::gpu();
+    assert_eq!(gpu.info.driver, "llvmpipe");
+    let (_, version) = gpu.info.driver_info.split_once("Mesa ").unwrap();
+    let major: u32 = version.split_once('.').unwrap().0.parse().unwrap();
+    assert_eq!(gpu.skips_branches, major >= 25, "{}", gpu.info.driver_info);
 }
 
 #[test]

@@ -250,7 +250,7 @@ struct Work<'a> {
 impl Work<'_> {
     /// All samples of a tile; if the device is lost on the way, once more on a new one.
     fn tile_or_again(&mut self, tile: [u32; 4]) -> Result<Vec<FilmCell>, RenderError> {
-        let done = self.done;
+        let (done, counts) = (self.done, self.statistics.counts);
         match self.tile(tile) {
             Err(Fault::Lost(message)) => {
                 log::warn!("the device was lost ({message}); opening it again");
@@ -263,6 +263,7 @@ impl Work<'_> {
                     &mut self.statistics,
                 )?;
                 self.done = done;
+                self.statistics.counts = counts;
                 Ok(self.tile(tile)?)
             }
             other => Ok(other?),
