@@ -9,8 +9,9 @@ use common::shapes::{self, Random};
 use glam::{Affine3A, DMat3, DVec3, Quat, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 use snell::cpu;
+use snell::gpu::device::Gpu;
 use snell::pack::Packed;
-use snell::scene::Scene;
+use snell::scene::{AlphaMode, Scene};
 use snell::shared::NONE;
 
 /// Mesa to 22.3 ends all loops of an invocation after 65 536 rounds in all and says nothing: as many boxes as a
@@ -62,9 +63,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 
 /// The kernels' answers; ray number i has the alpha seed i.
 fn trace_gpu(packed: &Packed, rays: &[RayQuery]) -> Vec<Traced> {
-    let bytes = common::run_scene(
+    trace_on(&common::gpu(), packed, rays)
+}
+
+/// The same on an adapter opened before.
+fn trace_on(gpu: &Gpu, packed: &Packed, rays: &[RayQuery]) -> Vec<Traced> {
+    let bytes = common::run_on(
+        gpu,
         TRACE,
-        packed,
+        Some(packed),
         &[bytemuck::cast_slice(rays)],
         size_of_val(rays) / size_of::<RayQuery>() * size_of::<Traced>(),
         rays.len() as u32,
@@ -248,6 +255,51 @@ fn instances_are_hit_where_their_transforms_put_them() {
     let scene = shapes::scene(meshes, instances);
     let rays = rays_around(&mut random, 20_000, 3.0, 1.0);
     check(&scene, &rays, 4000);
+}
+
+/// A ray enters an instance while others of the same node wait, with alpha looked up within the traversal and
+/// outside of it: what waits is never taken for triangles of the instance. Each mesh is smaller than what may wait,
+/// so that such triangles would be others' in a wrong place; the masked meshes are not there at all.
+#[test]
+fn what_waits_outside_of_an_instance_is_not_met_in_it() {
+    let mut random = Random(8);
+    let mut meshes: Vec<_> = (0..12)
+        .map(|i| shapes::soup(&mut random, 1 + i % 2, 0.8))
+        .collect();
+    for masked in meshes.iter_mut().step_by(3) {
+        masked.primitives[0].material = 1;
+    }
+    let instances = (0..36)
+        .map(|i| {
+            let rotation = Quat::from_axis_angle(random.direction(), random.range(0.0, 6.0));
+            let place = Affine3A::from_rotation_translation(rotation, 0.5 * random.cube());
+            shapes::instance(i % 12, place)
+        })
+        .collect();
+    let mut scene = shapes::two_levels(shapes::scene(meshes, instances));
+    let mut nothing = shapes::material();
+    nothing.alpha_mode = AlphaMode::Mask { cutoff: 2.0 };
+    scene.materials.push(nothing);
+    let packed = shapes::packed(&scene);
+    let mut there = scene.clone();
+    there.instances.retain(|instance| instance.mesh % 3 != 0);
+    let rays = rays_around(&mut random, 20_000, 3.0, 1.0);
+    let mut gpu = common::gpu();
+    let mut kernels = |skips_branches| {
+        gpu.skips_branches = skips_branches;
+        trace_on(&gpu, &packed, &rays)
+    };
+    for (name, traced) in [
+        ("alpha later", kernels(false)),
+        ("alpha at once", kernels(true)),
+        ("reference", trace_cpu(&packed, &rays)),
+    ] {
+        let verdict = judge(&there, &rays, &traced);
+        println!("{name}: {verdict:?}");
+        assert_eq!(verdict.wrong, 0, "{name}: {verdict:?}");
+        assert!(verdict.edges * 5000 <= verdict.rays, "{name}: {verdict:?}");
+        assert!(verdict.hits > 4000, "{name}: {verdict:?}");
+    }
 }
 
 #[test]

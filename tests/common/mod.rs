@@ -71,6 +71,7 @@ pub fn run_on(
         .unwrap_or_default();
     let scene = packed.map(|packed| Scene::upload(gpu, packed).unwrap());
     constants.extend(scene.iter().flat_map(Scene::constants));
+    constants.extend(gpu.constants());
     let kernel = Kernel::with_constants(gpu, &linked, "main", &constants)
         .unwrap_or_else(|error| panic!("{error}"));
     let storage = |bytes: &[u8], size: usize| {
