@@ -182,7 +182,7 @@ pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
         queue,
         arrays_in_textures: info.device_type == wgpu::DeviceType::Cpu
             && limits.max_storage_textures_per_shader_stage >= ARRAYS.len() as u32,
-        skips_branches: skips_branches(&info),
+        skips_branches: skips_branches(&info.driver, &info.driver_info),
         checked: cfg!(debug_assertions),
         info,
         limits,
@@ -194,10 +194,10 @@ pub fn open(wanted: Option<&str>) -> Result<Gpu, DeviceError> {
 
 /// llvmpipe of Mesa 22 carries out every branch for all lanes, that of Mesa 25 does not. Of those between,
 /// it is taken for granted, since to be wrong costs less so.
-fn skips_branches(info: &wgpu::AdapterInfo) -> bool {
-    let mesa = info.driver_info.strip_prefix("Mesa ");
+fn skips_branches(driver: &str, driver_info: &str) -> bool {
+    let mesa = driver_info.strip_prefix("Mesa ");
     let major = mesa.and_then(|version| version.split('.').next()?.parse::<u32>().ok());
-    info.driver != "llvmpipe" || major.is_some_and(|major| major >= 25)
+    driver != "llvmpipe" || major.is_some_and(|major| major >= 25)
 }
 
 impl Gpu {
@@ -238,5 +238,38 @@ impl Gpu {
         self.arrays_in_textures = arrays_in_textures;
         self.skips_branches = skips_branches;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::skips_branches;
+
+    #[test]
+    fn branches_are_skipped_from_mesa_25_on_and_by_all_other_drivers() {
+        for (driver, driver_info, skips) in [
+            ("llvmpipe", "Mesa 22.3.6 (LLVM 15.0.6)", false),
+            ("llvmpipe", "Mesa 24.3.4", false),
+            ("llvmpipe", "Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)", true),
+            ("llvmpipe", "Mesa 25.1.0-devel (git-0123456789)", true),
+            ("llvmpipe", "Mesa 100.0.0", true),
+            ("llvmpipe", "Mesa 2.30", false),
+            ("radv", "Mesa 22.3.6", true),
+            ("NVIDIA", "535.183.01", true),
+            ("", "", true),
+            // What cannot be read is taken for old, since to be wrong costs less so.
+            ("llvmpipe", "", false),
+            ("llvmpipe", "Mesa", false),
+            ("llvmpipe", "Mesa git-25", false),
+            ("llvmpipe", "Mesa -25.0", false),
+            ("llvmpipe", "25.0.7", false),
+            ("llvmpipe", "Mesa 99999999999.1", false),
+        ] {
+            assert_eq!(
+                skips_branches(driver, driver_info),
+                skips,
+                "{driver}, {driver_info}"
+            );
+        }
     }
 }
