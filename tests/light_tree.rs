@@ -135,7 +135,7 @@ fn a_samples_pdf_is_the_density_of_what_it_meets() {
     let mut met = 0;
     for p in places(&mut Random(35), 20_000) {
         let u = DVec2::new(random.unit().into(), random.unit().into());
-        let s = light_sample(&packed, p, random.unit().into(), u, 0.0);
+        let s = light_sample(&packed, p, DVec3::Y, true, random.unit().into(), u, 0.0);
         // Which of the triangles it is on, by its place.
         let target = p + s.distance * s.wi;
         let on = in_tree(&packed).find(|(_, light)| {

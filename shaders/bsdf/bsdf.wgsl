@@ -13,7 +13,7 @@ import package::bsdf::oren_nayar::{f_oren_nayar, f_oren_nayar_eon};
 import package::bsdf::distribution::{is_smooth};
 import package::bsdf::torrance_sparrow::{torrance_sparrow_eval, torrance_sparrow_sample};
 import package::bsdf::dielectric::{is_smooth_dielectric, smooth_dielectric_sample, rough_dielectric_eval, rough_dielectric_sample};
-import package::bsdf::gltf::{gltf_is_delta, gltf_eval, gltf_sample, gltf_eval_and_sample, gltf_straight_transmittance};
+import package::bsdf::gltf::{gltf_is_delta, gltf_transmits, gltf_eval, gltf_sample, gltf_eval_and_sample, gltf_straight_transmittance};
 
 // Whether the model has nothing but deltas, so that no light can be sampled for it.
 fn bsdf_is_delta(bsdf: Bsdf) -> bool {
@@ -37,6 +37,14 @@ fn bsdf_is_delta(bsdf: Bsdf) -> bool {
             return false;
         }
     }
+}
+
+// Whether light from the other side may come through.
+fn bsdf_transmits(bsdf: Bsdf) -> bool {
+    if HAS_GLTF && (!HAS_OTHER_MODELS || bsdf.model == BSDF_GLTF) {
+        return gltf_transmits(bsdf);
+    }
+    return HAS_ROUGH_DIELECTRIC && bsdf.model == BSDF_ROUGH_DIELECTRIC;
 }
 
 // A diffuse model's answer.

@@ -413,6 +413,11 @@ fn gltf_is_delta(bsdf: Bsdf) -> bool {
     return is_smooth(bsdf) && !is_diffuse && !coat_is_rough && !is_sheened(bsdf);
 }
 
+// Whether light from the other side may come through.
+fn gltf_transmits(bsdf: Bsdf) -> bool {
+    return transmission_share(bsdf) > 0.0 || diffuse_transmission_share(bsdf) > 0.0;
+}
+
 // What a smooth thin wall passes straight on, the expectation of its samples that are DELTA_STRAIGHT.
 fn gltf_straight_transmittance(bsdf: Bsdf, wo: vec3<f32>) -> vec3<f32> {
     if !is_transmissive(bsdf) || is_refractive(bsdf) || !is_smooth(bsdf) || wo.z < MIN_COS {

@@ -12,7 +12,7 @@ import package::surface::{Surface, surface_at};
 import package::material::{bsdf_at, Le_surface};
 import package::light::light::{LightSample, light_sample, light_pdf_triangle};
 import package::light::tree::{light_share};
-import package::bsdf::bsdf::{bsdf_eval_and_sample, bsdf_is_delta};
+import package::bsdf::bsdf::{bsdf_eval_and_sample, bsdf_is_delta, bsdf_transmits};
 import package::bsdf::lobe::{DELTA_STRAIGHT};
 import package::medium::{interface_at, media_ior, media_near, media_far, transmittance};
 import package::spectrum::{sample_wavelength, wavelength_weight};
@@ -88,7 +88,7 @@ fn shade_kernel(@builtin(global_invocation_id) id: vec3<u32>) {
     if !bsdf_is_delta(bsdf) {
         rng.dimension = bounce_dimension(path.bounce, DIMENSION_LIGHT);
         let u_pick = next_1d(&rng);
-        light = light_sample(surface.p, u_pick, next_2d(&rng), path.ray.time);
+        light = light_sample(surface.p, surface.basis.n, bsdf_transmits(bsdf), u_pick, next_2d(&rng), path.ray.time);
         let wi = to_local(surface.basis, light.wi);
         if light.pdf > 0.0 && sides_agree(wi, dot(light.wi, surface.ng)) {
             wi_light = wi;

@@ -109,6 +109,44 @@ fn environment_sample(u: vec2<f32>) -> vec4<f32> {
     return vec4<f32>(environment_direction(uv), density / (2.0 * sqr(PI) * sin_theta));
 }
 
+// Directions that environment_sample_facing chooses between.
+const ENVIRONMENT_CANDIDATES: f32 = 2.0;
+
+struct EnvironmentSample {
+    wi: vec3<f32>,
+    pdf: f32,      // per solid angle, of both candidates together, whose integral is their number; 0: no light
+    weight: f32,   // one over the probability with which this one of the two was taken
+}
+
+// One of two directions of environment_sample, by the number u_choice in proportion to the cosine with ns: of the
+// side of ns, or of both where the surface transmits.
+//
+// Two samples x of density p may both be taken, as the sum of w g / (2 p) with a heuristic's weight w of 2 p
+// against the density of the other technique (Veach and Guibas 1995, "Optimally combining sampling techniques", the
+// multi-sample model). Of the two terms one is taken with probability cos / (cos + cos'), and divided by it: the same
+// expectation for one ray, if terms without a cosine are 0. Which is resampled importance sampling (Talbot, Cline and
+// Egbert 2005) of the product p cos, and asks nothing of how the two depend on each other. The second is half
+// of the square further in both axes: somewhere else in the sky, and as even as the first over a pixel's samples.
+fn environment_sample_facing(ns: vec3<f32>, transmits: bool, u_choice: f32, u: vec2<f32>) -> EnvironmentSample {
+    var result = EnvironmentSample(vec3<f32>(0.0), 0.0, 0.0);
+    var sum = 0.0;
+    var candidate_u = u;
+    for (var i = 0; i < i32(ENVIRONMENT_CANDIDATES); i++) {
+        let candidate = environment_sample(candidate_u);
+        let cosine = dot(candidate.xyz, ns);
+        let share = select(max(cosine, 0.0), abs(cosine), transmits);
+        sum += share;
+        if share > 0.0 && u_choice * sum <= share {
+            result = EnvironmentSample(candidate.xyz, ENVIRONMENT_CANDIDATES * candidate.w, share);
+        }
+        candidate_u += select(vec2<f32>(0.5), vec2<f32>(-0.5), candidate_u >= vec2<f32>(0.5));
+    }
+    if result.pdf > 0.0 {
+        result.weight = sum / result.weight;
+    }
+    return result;
+}
+
 // Density of environment_sample at the unit vector d.
 fn environment_pdf(d: vec3<f32>) -> f32 {
     let sin_theta = sqrt(d.x * d.x + d.z * d.z);

@@ -5,7 +5,7 @@ import package::variant::{LIGHT_TREE, MANY_LIGHTS, HAS_TRIANGLE_LIGHTS, HAS_ENVI
 import package::rng::{hash_combine};
 import package::math::{normalize_accurate};
 import package::sample::{sample_triangle};
-import package::light::environment::{Le_environment, environment_sample, environment_pdf};
+import package::light::environment::{Le_environment, environment_sample_facing, environment_pdf, ENVIRONMENT_CANDIDATES};
 import package::light::punctual::{irradiance_punctual};
 import package::light::tree::{tree_pick};
 import package::light::triangle::{light_at, light_normal, Le_triangle, cos_emission};
@@ -17,7 +17,7 @@ const LIGHT_DISTANCE_INFINITE: f32 = 1e18;
 struct LightSample {
     wi: vec3<f32>,   // unit length, to the light
     distance: f32,   // metres to the light
-    Le: vec3<f32>,   // radiance; of a delta light: irradiance on a surface that faces it
+    Le: vec3<f32>,   // radiance, times `weight` of an environment's sample; of a delta light: irradiance on a surface that faces it
     pdf: f32,        // per solid angle, of a delta light discrete; the choice included; 0: no sample
     delta: u32,      // 1: no other technique finds this light
 }
@@ -66,8 +66,9 @@ fn light_pdf_triangle(share: f32, emission_weight: f32, distance: f32, cos_light
     return emission_weight * share * distance * distance / cos_light;
 }
 
-// A direction from p to where a light is at `time`, not yet tested for what stands between.
-fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSample {
+// A direction to where a light is at `time`, not yet tested for what stands between, for a surface at p with
+// the normal ns on the viewer's side.
+fn light_sample(p: vec3<f32>, ns: vec3<f32>, transmits: bool, u_pick: f32, u: vec2<f32>, time: f32) -> LightSample {
     var result = LightSample(vec3<f32>(0.0), 0.0, vec3<f32>(0.0), 0.0, 0u);
     if frame.light_count == 0u || frame.light_weight_total <= 0.0 {
         return result;
@@ -85,11 +86,14 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
         share /= light.weight;
     }
     if HAS_ENVIRONMENT_LIGHT && light.kind == LIGHT_ENVIRONMENT {
-        let direction_pdf = environment_sample(u);
-        result.wi = direction_pdf.xyz;
+        let sample = environment_sample_facing(ns, transmits, pick.rest, u);
+        if sample.pdf <= 0.0 {
+            return result;
+        }
+        result.wi = sample.wi;
         result.distance = LIGHT_DISTANCE_INFINITE;
-        result.Le = Le_environment(result.wi);
-        result.pdf = direction_pdf.w * (light.weight * share);
+        result.Le = sample.weight * Le_environment(sample.wi);
+        result.pdf = sample.pdf * (light.weight * share);
         return result;
     }
     if HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL {
@@ -133,11 +137,11 @@ fn light_sample(p: vec3<f32>, u_pick: f32, u: vec2<f32>, time: f32) -> LightSamp
     return result;
 }
 
-// Density per solid angle, choice included, with which light_sample takes direction d to the
+// Density per solid angle, choice included, of light_sample's candidates at direction d to the
 // environment.
 fn light_pdf_environment(d: vec3<f32>) -> f32 {
     if !HAS_ENVIRONMENT_LIGHT || frame.light_weight_total <= 0.0 {
         return 0.0;
     }
-    return environment_pdf(d) * (frame.environment_weight / frame.light_weight_total);
+    return ENVIRONMENT_CANDIDATES * environment_pdf(d) * (frame.environment_weight / frame.light_weight_total);
 }

@@ -1,7 +1,7 @@
 //! The estimator: one path from the camera, in one function; `cpu::render` loops over pixels around it.
 //! The GPU's kernels (`shaders/kernels`) are the sentences of `Li` taken apart.
 
-use super::bsdf::bsdf::{bsdf_eval_and_sample, bsdf_is_delta};
+use super::bsdf::bsdf::{bsdf_eval_and_sample, bsdf_is_delta, bsdf_transmits};
 use super::bsdf::lobe::{DELTA_STRAIGHT, EvalAndSample};
 use super::bvh::trace_closest;
 use super::estimator::*;
@@ -101,7 +101,15 @@ pub fn Li(packed: &Packed, camera_ray: Ray, rng: &mut Rng, counts: &mut Counts) 
         if frame.light_weight_total > 0.0 && !bsdf_is_delta(&bsdf) {
             rng.dimension = bounce_dimension(bounce, DIMENSION_LIGHT);
             let u_pick = next_1d(rng);
-            let sample = light_sample(packed, surface.p, u_pick, next_2d(rng), ray.time);
+            let sample = light_sample(
+                packed,
+                surface.p,
+                surface.basis.n,
+                bsdf_transmits(&bsdf),
+                u_pick,
+                next_2d(rng),
+                ray.time,
+            );
             let wi = to_local(surface.basis, sample.wi);
             if sample.pdf > 0.0 && sides_agree(wi, sample.wi.dot(surface.ng)) {
                 light = Some((sample, wi));

@@ -20,7 +20,8 @@ fn irradiance(packed: &Packed, n: DVec3, samples: u32) -> (f64, f64) {
     for i in 0..samples {
         let mut rng = rng_init(UVec2::ZERO, i, 3);
         let u_pick = next_1d(&mut rng);
-        let s = light_sample(packed, DVec3::ZERO, u_pick, next_2d(&mut rng), 0.0);
+        let u = next_2d(&mut rng);
+        let s = light_sample(packed, DVec3::ZERO, n, false, u_pick, u, 0.0);
         if s.pdf > 0.0 {
             let value = s.wi.dot(n).max(0.0) * s.Le.y / s.pdf;
             sum += value;
@@ -151,7 +152,10 @@ fn punctual_lights_fall_off_as_the_extension_says() {
     let mut packed = empty_packed();
     packed.lights.push(light);
     let packed = with_tables(packed);
-    let at = |x: f64| light_sample(&packed, DVec3::new(x, 0.0, 0.0), 0.5, DVec2::ZERO, 0.0);
+    let at = |x: f64| {
+        let p = DVec3::new(x, 0.0, 0.0);
+        light_sample(&packed, p, DVec3::Y, false, 0.5, DVec2::ZERO, 0.0)
+    };
     assert!((at(0.0).Le - DVec3::new(3.0, 2.0, 1.0) / 16.0).length() < 1e-7);
     assert_eq!(
         (at(0.0).wi, at(0.0).distance, at(0.0).delta),

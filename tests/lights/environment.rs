@@ -161,7 +161,16 @@ fn a_black_map_weighs_nothing() {
     assert_eq!(packed.frame.light_weight_total, 0.0);
     assert_eq!(packed.frame.environment_weight, 0.0);
     assert_eq!(
-        light_sample(&packed, DVec3::ZERO, 0.3, DVec2::splat(0.4), 0.0).pdf,
+        light_sample(
+            &packed,
+            DVec3::ZERO,
+            DVec3::Y,
+            false,
+            0.3,
+            DVec2::splat(0.4),
+            0.0
+        )
+        .pdf,
         0.0
     );
     assert_eq!(environment_sample(&packed, DVec2::splat(0.4)).w, 0.0);

@@ -8,6 +8,7 @@ mod choice;
 #[path = "../common/mod.rs"]
 mod common;
 mod environment;
+mod facing;
 mod samples;
 
 use bytemuck::Zeroable;

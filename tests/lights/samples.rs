@@ -3,7 +3,8 @@
 use crate::common;
 use crate::common::shapes::Random;
 use crate::{COUNT, all_lights};
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use snell::cpu::light::environment::Le_environment;
 use snell::cpu::light::light::*;
 use snell::cpu::light::tree::light_share;
 use snell::pack::Packed;
@@ -35,7 +36,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let p = queries[id.x][0].xyz;
     let u_pick = queries[id.x][0].w;
     let u = queries[id.x][1].xy;
-    let s = light_sample(p, u_pick, u, 0.0);
+    let ns = vec3(queries[id.x][1].zw, 0.6);
+    let s = light_sample(p, ns, ns.x > 0.0, u_pick, u, 0.0);
     answers[id.x] = array<vec4<f32>, 3>(vec4(s.wi, s.distance), vec4(s.Le, s.pdf),
         vec4(bitcast<f32>(s.delta), bitcast<f32>(light_pick(u_pick, u).index),
             light_pdf_environment(s.wi), 0.0));
@@ -58,16 +60,10 @@ fn light_samples_agree_with_float64() {
     let queries: Vec<[f32; 8]> = (0..COUNT)
         .map(|_| {
             let [x, y, z] = (2.0 * uniform.direction()).to_array();
-            [
-                x,
-                y,
-                z,
-                uniform.unit(),
-                uniform.unit(),
-                uniform.unit(),
-                0.0,
-                0.0,
-            ]
+            // The normal's x, by whose sign the surface transmits, and y; its z is 0.6.
+            let normal = uniform.direction().truncate().normalize_or(Vec2::X) * 0.8;
+            let mut unit = || uniform.unit();
+            [x, y, z, unit(), unit(), unit(), normal.x, normal.y]
         })
         .collect();
     let answers = light_samples_gpu(&packed, &queries);
@@ -80,14 +76,15 @@ fn light_samples_agree_with_float64() {
         let pick = light_pick(&packed, q[3].into(), u).index;
         assert_eq!(answer.pick, pick, "at {q:?}");
         seen[pick as usize] += 1;
-        let s = light_sample(&packed, p, q[3].into(), u, 0.0);
+        let ns = DVec3::new(q[6].into(), q[7].into(), f64::from(0.6f32));
+        let s = light_sample(&packed, p, ns, q[6] > 0.0, q[3].into(), u, 0.0);
         assert_eq!(answer.delta, s.delta);
         let Le = Vec3::from(answer.Le).as_dvec3();
         let wi = Vec3::from(answer.wi).as_dvec3();
         // A density has a divisor that is mostly rounding where it is small: the cosine at a
         // triangle seen edge on, the sine of the angle to the map's pole.
         let kind = packed.lights[pick as usize].kind;
-        let cosine = if kind == LIGHT_ENVIRONMENT {
+        let cosine = if kind == LIGHT_ENVIRONMENT && s.pdf > 0.0 {
             s.wi.x.hypot(s.wi.z)
         } else if kind == LIGHT_TRIANGLE && s.pdf > 0.0 {
             let weight = packed.materials[pick as usize - 4].emission_weight;
@@ -96,6 +93,9 @@ fn light_samples_agree_with_float64() {
         } else {
             1.0
         };
+        if kind == LIGHT_ENVIRONMENT && s.pdf == 0.0 && answer.pdf == 0.0 {
+            continue; // both directions lie below the surface
+        }
         if cosine < 1e-4 || (answer.pdf == 0.0) != (s.pdf == 0.0) {
             apart += 1;
             continue;
@@ -113,8 +113,15 @@ fn light_samples_agree_with_float64() {
         );
         // The place on the map is rounded, by a share of a texel that grows with the map's width.
         let place = f64::from(f32::EPSILON) * 37.0;
+        // Of two directions to the environment the one is weighed by the rounded cosines of both.
+        let (mut weight, mut cosines) = (1.0, 0.0);
+        if kind == LIGHT_ENVIRONMENT && s.pdf > 0.0 {
+            weight = s.Le.length() / Le_environment(&packed, s.wi).length().max(1e-9);
+            cosines = 4e-6 / s.wi.dot(ns).abs();
+        }
         let error = (Le - s.Le).length();
-        assert!(error <= 1e-5 * s.Le.length() + place * brightest, "{at}");
+        let bound = (1e-5 + cosines) * s.Le.length() + weight * place * brightest;
+        assert!(error <= bound, "{at}");
     }
     assert!(apart < COUNT / 1000, "{apart} queries on an edge");
     assert!(met > COUNT / 2, "{met} samples");
@@ -130,10 +137,13 @@ fn a_samples_pdf_is_what_the_density_functions_say() {
         let p = uniform.direction().as_dvec3() * 0.4;
         let (u_pick, x, y) = (uniform.unit(), uniform.unit(), uniform.unit());
         let u = DVec2::new(x.into(), y.into());
+        let ns = uniform.direction().as_dvec3();
         let light = &packed.lights[light_pick(&packed, u_pick.into(), u).index as usize];
-        let s = light_sample(&packed, p, u_pick.into(), u, 0.0);
+        let s = light_sample(&packed, p, ns, false, u_pick.into(), u, 0.0);
         let share = f64::from(light.weight) / f64::from(packed.frame.light_weight_total);
         let expected = match light.kind {
+            // Both directions may lie below the surface.
+            LIGHT_ENVIRONMENT if s.pdf == 0.0 => continue,
             LIGHT_ENVIRONMENT => {
                 met[0] += 1;
                 light_pdf_environment(&packed, s.wi)

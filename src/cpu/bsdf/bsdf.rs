@@ -10,6 +10,7 @@ use super::dielectric::{
 use super::distribution::is_smooth;
 use super::gltf::{
     gltf_eval, gltf_eval_and_sample, gltf_is_delta, gltf_sample, gltf_straight_transmittance,
+    gltf_transmits,
 };
 use super::lambertian::f_lambertian;
 use super::lobe::{
@@ -35,6 +36,14 @@ pub fn bsdf_is_delta(bsdf: &Bsdf) -> bool {
         BSDF_GLTF => gltf_is_delta(bsdf),
         _ => false,
     }
+}
+
+/// Whether light from the other side may come through.
+pub fn bsdf_transmits(bsdf: &Bsdf) -> bool {
+    if bsdf.model == BSDF_GLTF {
+        return gltf_transmits(bsdf);
+    }
+    bsdf.model == BSDF_ROUGH_DIELECTRIC
 }
 
 /// A diffuse model's answer.

@@ -557,6 +557,11 @@ pub fn gltf_is_delta(bsdf: &Bsdf) -> bool {
     is_smooth(bsdf) && !is_diffuse && !coat_is_rough && !is_sheened(bsdf)
 }
 
+/// Whether light from the other side may come through.
+pub fn gltf_transmits(bsdf: &Bsdf) -> bool {
+    transmission_share(bsdf) > 0.0 || diffuse_transmission_share(bsdf) > 0.0
+}
+
 /// What a smooth thin wall passes straight on, the expectation of its samples that are `DELTA_STRAIGHT`.
 pub fn gltf_straight_transmittance(tables: &Tables, bsdf: &Bsdf, wo: DVec3) -> DVec3 {
     if !is_transmissive(bsdf) || is_refractive(bsdf) || !is_smooth(bsdf) || wo.z < MIN_COS {

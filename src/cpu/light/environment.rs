@@ -121,6 +121,61 @@ pub fn environment_sample(packed: &Packed, u: DVec2) -> DVec4 {
     environment_direction(packed, uv).extend(density / (2.0 * sqr(PI) * sin_theta))
 }
 
+/// Directions that `environment_sample_facing` chooses between.
+pub const ENVIRONMENT_CANDIDATES: f64 = 2.0;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnvironmentSample {
+    pub wi: DVec3,
+    /// Per solid angle, of both candidates together, whose integral is their number; 0: no light.
+    pub pdf: f64,
+    /// One over the probability with which this one of the two was taken.
+    pub weight: f64,
+}
+
+/// One of two directions of `environment_sample`, by the number `u_choice` in proportion to the cosine with ns: of the
+/// side of ns, or of both where the surface transmits.
+///
+/// Two samples x of density p may both be taken, as the sum of w g / (2 p) with a heuristic's weight w of 2 p
+/// against the density of the other technique (Veach and Guibas 1995, "Optimally combining sampling techniques", the
+/// multi-sample model). Of the two terms one is taken with probability cos / (cos + cos'), and divided by it: the
+/// same expectation for one ray, if terms without a cosine are 0. Which is resampled importance sampling (Talbot,
+/// Cline and Egbert 2005) of the product p cos, and asks nothing of how the two depend on each other. The second is
+/// half of the square further in both axes: somewhere else in the sky, and as even as the first over a pixel's
+/// samples.
+pub fn environment_sample_facing(
+    packed: &Packed,
+    ns: DVec3,
+    transmits: bool,
+    u_choice: f64,
+    u: DVec2,
+) -> EnvironmentSample {
+    let candidates = [u, (u + 0.5).fract()].map(|u| environment_sample(packed, u));
+    let shares = candidates.map(|candidate| {
+        let cosine = candidate.truncate().dot(ns);
+        if transmits {
+            cosine.abs()
+        } else {
+            cosine.max(0.0)
+        }
+    });
+    let sum = shares[0] + shares[1];
+    // The second where both could be.
+    let taken = usize::from(shares[1] > 0.0 && u_choice * sum <= shares[1]);
+    if shares[taken] == 0.0 {
+        return EnvironmentSample {
+            wi: DVec3::ZERO,
+            pdf: 0.0,
+            weight: 0.0,
+        };
+    }
+    EnvironmentSample {
+        wi: candidates[taken].truncate(),
+        pdf: ENVIRONMENT_CANDIDATES * candidates[taken].w,
+        weight: sum / shares[taken],
+    }
+}
+
 /// Density of `environment_sample` at the unit vector d.
 pub fn environment_pdf(packed: &Packed, d: DVec3) -> f64 {
     let sin_theta = (d.x * d.x + d.z * d.z).sqrt();

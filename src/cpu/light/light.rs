@@ -1,6 +1,8 @@
 //! The choice of a light and of a point on it, for next-event estimation.
 
-use crate::cpu::light::environment::{Le_environment, environment_pdf, environment_sample};
+use crate::cpu::light::environment::{
+    ENVIRONMENT_CANDIDATES, Le_environment, environment_pdf, environment_sample_facing,
+};
 use crate::cpu::light::punctual::irradiance_punctual;
 use crate::cpu::light::tree::tree_pick;
 use crate::cpu::light::triangle::{Le_triangle, cos_emission, light_at, light_normal};
@@ -20,7 +22,7 @@ pub struct LightSample {
     pub wi: DVec3,
     /// Metres to the light.
     pub distance: f64,
-    /// Radiance; of a delta light: irradiance on a surface that faces it.
+    /// Radiance, times `weight` of an environment's sample; of a delta light: irradiance on a surface that faces it.
     pub Le: DVec3,
     /// Per solid angle, of a delta light discrete; the choice included; 0: no sample.
     pub pdf: f64,
@@ -75,8 +77,17 @@ pub fn light_pdf_triangle(share: f64, emission_weight: f64, distance: f64, cos_l
     emission_weight * share * distance * distance / cos_light
 }
 
-/// A direction from p to where a light is at `time`, not yet tested for what stands between.
-pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2, time: f64) -> LightSample {
+/// A direction to where a light is at `time`, not yet tested for what stands between, for a surface at p with
+/// the normal ns on the viewer's side.
+pub fn light_sample(
+    packed: &Packed,
+    p: DVec3,
+    ns: DVec3,
+    transmits: bool,
+    u_pick: f64,
+    u: DVec2,
+    time: f64,
+) -> LightSample {
     let mut result = LightSample {
         wi: DVec3::ZERO,
         distance: 0.0,
@@ -101,11 +112,14 @@ pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2, time: f64)
         share /= f64::from(light.weight);
     }
     if light.kind == LIGHT_ENVIRONMENT {
-        let direction_pdf = environment_sample(packed, u);
-        result.wi = direction_pdf.truncate();
+        let sample = environment_sample_facing(packed, ns, transmits, pick.rest, u);
+        if sample.pdf <= 0.0 {
+            return result;
+        }
+        result.wi = sample.wi;
         result.distance = LIGHT_DISTANCE_INFINITE;
-        result.Le = Le_environment(packed, result.wi);
-        result.pdf = direction_pdf.w * (f64::from(light.weight) * share);
+        result.Le = sample.weight * Le_environment(packed, sample.wi);
+        result.pdf = sample.pdf * (f64::from(light.weight) * share);
         return result;
     }
     if light.kind == LIGHT_DIRECTIONAL {
@@ -151,12 +165,13 @@ pub fn light_sample(packed: &Packed, p: DVec3, u_pick: f64, u: DVec2, time: f64)
     result
 }
 
-/// Density per solid angle, choice included, with which `light_sample` takes direction d to the
+/// Density per solid angle, choice included, of `light_sample`'s candidates at direction d to the
 /// environment.
 pub fn light_pdf_environment(packed: &Packed, d: DVec3) -> f64 {
     if packed.frame.light_weight_total <= 0.0 {
         return 0.0;
     }
-    environment_pdf(packed, d)
+    ENVIRONMENT_CANDIDATES
+        * environment_pdf(packed, d)
         * (f64::from(packed.frame.environment_weight) / f64::from(packed.frame.light_weight_total))
 }
