@@ -8,7 +8,7 @@ import package::shared::{Frame, Tables, Triangle, Instance, Material, Light};
 @group(0) @binding(2) var<storage, read> nodes: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> triangles: array<Triangle>;
 @group(0) @binding(4) var<storage, read> instances: array<Instance>;
-@group(0) @binding(5) var<storage, read> vertices: array<f32>;
+@group(0) @binding(5) var<storage, read> vertices: array<u32>;
 @group(0) @binding(6) var<storage, read> materials: array<Material>;
 @group(0) @binding(7) var<storage, read> texels: array<u32>;
 @group(0) @binding(8) var<storage, read> lights: array<Light>;

@@ -74,10 +74,14 @@ const FORMAT_RGBA16_UNORM: u32 = 2u; // two words a texel: red | green << 16, bl
 const FILTER_NEAREST: u32 = 0u;
 const FILTER_LINEAR: u32 = 1u;
 
-// `Triangle.vertex_layout`: what follows a vertex' normal in `vertices`, in this order.
-const LAYOUT_TANGENT: u32 = 1u;         // 4 words: tangent, handedness
-const LAYOUT_COLOR: u32 = 2u;           // 4 words: linear RGBA
-const LAYOUT_TEXCOORDS_SHIFT: u32 = 8u; // vertex_layout >> 8: number of texture coordinate sets, 2 words each
+// `Triangle.vertex_layout`: what follows a vertex' normal (one word) in `vertices`, in this order.
+const LAYOUT_TANGENT: u32 = 1u;         // 1 word: tangent, handedness
+const LAYOUT_COLOR: u32 = 2u;           // linear RGBA, 4 words of f32
+const LAYOUT_COLOR_UNORM: u32 = 4u;     // or, with this bit too, 1 word: steps of 1/255
+const LAYOUT_TEXCOORD_UNORM: u32 = 8u;  // coordinates have 1 word a set: steps of 1/65535; else 2 words of f32
+const LAYOUT_TEXCOORDS_SHIFT: u32 = 8u; // vertex_layout >> 8: number of texture coordinate sets
+const NORMAL_STEPS: u32 = 32767u;       // of the octahedral map from its centre to a corner: 16 bits an axis
+const TANGENT_STEPS: u32 = 16383u;      // 15 bits
 
 // `Instance.flags`
 const INSTANCE_FLIPPED: u32 = 1u; // negative determinant: front faces wind the other way

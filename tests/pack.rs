@@ -6,6 +6,7 @@ mod common;
 use common::shapes::{self, Random};
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec3A, Vec4};
 use snell::bvh::{self, Bounds, MAX_DEPTH, STACK_SIZE};
+use snell::pack::vertex::{pack_normal, pack_tangent};
 use snell::pack::{Background, PackError, Packed, Packer, pack};
 use snell::scene::bsdf_model::{BsdfModel, OrenNayarForm};
 use snell::scene::{
@@ -259,23 +260,26 @@ fn vertices_carry_what_their_material_reads() {
     let mut scene = shapes::scene(vec![mesh], vec![shapes::instance(0, Affine3A::IDENTITY)]);
     scene.images = vec![image(Pixels::Rgba8(vec![255; 4]), 1, 1)];
     let plain = shapes::packed(&scene);
+    let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    let normal = pack_normal(Vec3::Z);
     assert_eq!(plain.triangles[0].vertex_layout, LAYOUT_COLOR);
-    assert_eq!(plain.vertices.len(), 6 * 7);
-    assert_eq!(plain.vertices[3..7], [4.0, 5.0, 6.0, 7.0]);
+    assert_eq!(plain.vertices.len(), 6 * 5);
+    assert_eq!(plain.vertices[0], normal);
+    assert_eq!(plain.vertices[1..5], bits(&[4.0, 5.0, 6.0, 7.0]));
     let mut second_set = texture(0, false);
     second_set.texcoord = 1;
     scene.materials[0].normal_texture = Some(second_set);
     let dressed = shapes::packed(&scene);
     let layout = LAYOUT_TANGENT | LAYOUT_COLOR | 2 << LAYOUT_TEXCOORDS_SHIFT;
-    let words = 3 + 4 + 4 + 4;
+    let words = 1 + 1 + 4 + 4;
     for triangle in &dressed.triangles {
         assert_eq!(triangle.vertex_layout, layout);
         let first = triangle.vertex1 as usize;
         assert_eq!(first % words, 0);
-        let expected = [
-            1.0, 2.0, 3.0, -1.0, 4.0, 5.0, 6.0, 7.0, 10.0, 10.0, 11.0, 11.0,
-        ];
-        assert_eq!(dressed.vertices[first + 3..][..12], expected);
+        let tangent = pack_tangent(Vec4::new(1.0, 2.0, 3.0, -1.0));
+        assert_eq!(dressed.vertices[first + 1], tangent);
+        let expected = bits(&[4.0, 5.0, 6.0, 7.0, 10.0, 10.0, 11.0, 11.0]);
+        assert_eq!(dressed.vertices[first + 2..][..8], expected);
     }
 }
 
@@ -609,4 +613,9 @@ fn a_packer_packs_what_changed_and_gives_the_same_bytes() {
         scene.images = vec![image(Pixels::Rgba8(vec![value; 4]), 1, 1)];
         next(&scene, [0, 1], "another image");
     }
+    scene.images = vec![image(Pixels::Rgba8(vec![1; 4 * 8192]), 8192, 1)];
+    let what = "an image of so many texels that coordinates need all their bits";
+    next(&scene, [1, 1], what);
+    scene.images = vec![image(Pixels::Rgba8(vec![1; 4 * 4096]), 4096, 1)];
+    next(&scene, [1, 1], "a smaller one");
 }

@@ -483,11 +483,36 @@ fn a_paged_picture_is_the_same() {
 #[test]
 fn attributes_stand_where_the_layout_says() {
     let mut uniform = Random(22);
-    for layout_bits in 0..4 {
+    for layout_bits in 0..16 {
+        let [tangent, color, color_unorm, uv_unorm] = [
+            LAYOUT_TANGENT,
+            LAYOUT_COLOR,
+            LAYOUT_COLOR_UNORM,
+            LAYOUT_TEXCOORD_UNORM,
+        ]
+        .map(|flag| layout_bits & flag != 0);
+        if color_unorm && !color {
+            continue;
+        }
         for sets in 0..3 {
-            let words = 3 + 4 * (layout_bits & 1) + 4 * (layout_bits >> 1) + 2 * sets;
+            let color_at = 1 + u32::from(tangent);
+            let color_words = u32::from(color) * if color_unorm { 1 } else { 4 };
+            let uv_words = if uv_unorm { 1 } else { 2 };
+            let words = color_at + color_words + uv_words * sets;
             let mut packed = empty_packed();
-            packed.vertices = (0..3 * words + 7).map(|_| uniform.unit()).collect();
+            // Numbers in float32; where words are read as bits, any.
+            let mut word = |offset: u32| {
+                let in_color = (color_at..color_at + color_words).contains(&offset);
+                match (offset < color_at, in_color) {
+                    (false, true) if !color_unorm => uniform.unit().to_bits(),
+                    (false, false) if !uv_unorm => uniform.unit().to_bits(),
+                    _ => uniform.bits() as u32,
+                }
+            };
+            packed.vertices = (0..7)
+                .chain((0..3 * words).map(|i| i % words))
+                .map(&mut word)
+                .collect();
             let triangle = Triangle {
                 vertex0: 7,
                 vertex1: 7 + words,
@@ -496,35 +521,58 @@ fn attributes_stand_where_the_layout_says() {
                 ..Triangle::zeroed()
             };
             let at = DVec2::new(0.25, 0.625);
-            // The word at `offset`, blended by hand.
-            let blend = |offset: u32| {
-                let word = |corner: u32| {
-                    f64::from(packed.vertices[(7 + corner * words + offset) as usize])
-                };
-                0.125 * word(0) + 0.25 * word(1) + 0.625 * word(2)
+            let word =
+                |corner: u32, offset: u32| packed.vertices[(7 + corner * words + offset) as usize];
+            let near = |a: DVec4, corner: &dyn Fn(u32) -> DVec4| {
+                let blend = 0.125 * corner(0) + 0.25 * corner(1) + 0.625 * corner(2);
+                assert!(
+                    (a - blend).abs().max_element() < 1e-12,
+                    "{layout_bits} {sets}: {a} {blend}"
+                );
             };
-            let near = |a: &[f64], first: u32| {
-                for (i, value) in (first..).zip(a) {
-                    assert!((value - blend(i)).abs() < 1e-12, "word {i} of {words}");
+            let floats = |first: u32, count: u32| {
+                move |corner: u32| {
+                    let mut value = DVec4::ZERO;
+                    (0..count).for_each(|i| {
+                        value[i as usize] = f32::from_bits(word(corner, first + i)).into()
+                    });
+                    value
                 }
             };
-            near(&attribute_normal(&packed, &triangle, at).to_array(), 0);
-            let tangent = attribute_tangent(&packed, &triangle, at);
-            let color = attribute_color(&packed, &triangle, at);
-            if layout_bits & LAYOUT_TANGENT != 0 {
-                near(&tangent.truncate().to_array(), 3);
-                assert_eq!(tangent.w, f64::from(packed.vertices[7 + 6]));
+            near(
+                attribute_normal(&packed, &triangle, at).extend(0.0),
+                &|corner| unpack_normal(word(corner, 0)).extend(0.0),
+            );
+            let found = attribute_tangent(&packed, &triangle, at);
+            if tangent {
+                near(found.with_w(0.0), &|corner| {
+                    unpack_tangent(word(corner, 1)).with_w(0.0)
+                });
+                assert_eq!(found.w, unpack_tangent(word(0, 1)).w);
             } else {
-                assert_eq!(tangent, DVec4::ZERO);
+                assert_eq!(found, DVec4::ZERO);
             }
-            if layout_bits & LAYOUT_COLOR != 0 {
-                near(&color.to_array(), 3 + 4 * (layout_bits & 1));
-            } else {
-                assert_eq!(color, DVec4::ONE);
+            let found = attribute_color(&packed, &triangle, at);
+            match (color, color_unorm) {
+                (false, _) => assert_eq!(found, DVec4::ONE),
+                (true, true) => near(found, &|corner| {
+                    DVec4::from_array(word(corner, color_at).to_le_bytes().map(f64::from)) / 255.0
+                }),
+                (true, false) => near(found, &floats(color_at, 4)),
             }
             for set in 0..sets {
                 let uv = attribute_texcoord(&packed, &triangle, at, set);
-                near(&uv.to_array(), words - 2 * sets + 2 * set);
+                let first = words - uv_words * (sets - set);
+                let steps = |corner: u32| {
+                    let word = word(corner, first);
+                    DVec4::new(f64::from(word & 0xffff), f64::from(word >> 16), 0.0, 0.0) / 65535.0
+                };
+                let uv = DVec4::new(uv.x, uv.y, 0.0, 0.0);
+                if uv_unorm {
+                    near(uv, &steps)
+                } else {
+                    near(uv, &floats(first, 2))
+                }
             }
             assert_eq!(
                 attribute_texcoord(&packed, &triangle, at, sets),

@@ -5,7 +5,8 @@ use crate::cpu::bsdf::lobe::ALPHA_SMOOTH;
 use crate::pack::material::triangle_flags;
 use crate::pack::outline::Outline;
 use crate::shared::{
-    BSDF_GLTF, BSDF_UNLIT, CLASS_MISS, CLASSES, LIGHT_PROFILE, MATERIAL_ALPHA_BLEND,
+    BSDF_GLTF, BSDF_UNLIT, CLASS_MISS, CLASSES, LAYOUT_COLOR, LAYOUT_TANGENT,
+    LAYOUT_TEXCOORD_UNORM, LAYOUT_TEXCOORDS_SHIFT, LIGHT_PROFILE, MATERIAL_ALPHA_BLEND,
     MATERIAL_ALPHA_MASK, MATERIAL_SPECULAR_GLOSSINESS, MATERIAL_THIN_WALLED, MATERIAL_TRANSMISSIVE,
     Material, NONE, TRIANGLE_CLASS, Texture,
 };
@@ -90,6 +91,8 @@ fn class_constants(outline: &Outline, class: u32) -> Constants {
 /// What the way of light through the scene depends on, whatever surface is shaded.
 fn scene_constants(outline: &Outline) -> Constants {
     let some = |test: fn(&Material) -> bool| Value::Bool(outline.materials.iter().any(test));
+    let vertices =
+        |test: fn(u32) -> bool| Value::Bool(outline.layouts.iter().any(|&layout| test(layout)));
     vec![
         ("LENS", Value::Bool(outline.camera.lens_radius > 0.0)),
         ("CAMERAS", Value::Uint(1 << outline.camera.kind)),
@@ -110,6 +113,24 @@ fn scene_constants(outline: &Outline) -> Constants {
         ("MEDIA", some(|m| m.flags & MATERIAL_TRANSMISSIVE != 0)),
         ("DISPERSION", some(|m| m.dispersion > 0.0)),
         ("THIN_WALLS", some(|m| m.flags & MATERIAL_THIN_WALLED != 0)),
+        (
+            "VERTEX_TANGENTS",
+            vertices(|layout| layout & LAYOUT_TANGENT != 0),
+        ),
+        (
+            "VERTEX_COLORS",
+            vertices(|layout| layout & LAYOUT_COLOR != 0),
+        ),
+        (
+            "UNORM_TEXCOORDS",
+            vertices(|layout| layout & LAYOUT_TEXCOORD_UNORM != 0),
+        ),
+        (
+            "FLOAT_TEXCOORDS",
+            vertices(|layout| {
+                layout >> LAYOUT_TEXCOORDS_SHIFT != 0 && layout & LAYOUT_TEXCOORD_UNORM == 0
+            }),
+        ),
         (
             "BASE_COLOR_TEXTURES",
             some(|m| any(&[&m.base_color_texture])),

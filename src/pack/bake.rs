@@ -3,8 +3,9 @@
 
 use super::geometry::{KnownMeshes, is_invertible, to_f64, transform_bounds};
 use super::mesh::{self, PackedMesh};
+use super::vertex;
 use crate::bvh::Bounds;
-use crate::scene::{Instance, Material, Mesh, Primitive, Scene};
+use crate::scene::{Instance, Mesh, Primitive, Scene};
 use glam::{Affine3A, DAffine3, DVec3, Vec4};
 use rayon::prelude::*;
 use std::sync::{Arc, Weak};
@@ -28,7 +29,7 @@ const REACH_GAIN: f64 = 4.0;
 pub struct KnownBake {
     /// Address and place of each part. An address is not given to another mesh while a `Weak` is left.
     parts: Vec<(Weak<Mesh>, Affine3A)>,
-    /// Of the parts' vertices, which follow from materials.
+    /// Of the parts' vertices, as far as they follow from materials.
     layouts: Vec<u32>,
     packed: Option<Arc<PackedMesh>>,
 }
@@ -88,13 +89,13 @@ pub fn pack_baked(
         .collect();
     let layouts: Vec<u32> = parts
         .iter()
-        .flat_map(|(mesh, _)| mesh::layouts(mesh, &scene.materials))
+        .flat_map(|(mesh, _)| vertex::layouts(mesh, scene))
         .collect();
     let before = known.as_ref().and_then(|known| known.baked.as_ref());
     if let Some(before) = before.filter(|before| before.is_of(&parts, &layouts)) {
         return before.packed.clone();
     }
-    let packed = bake(&parts, &scene.materials).map(Arc::new);
+    let packed = bake(&parts, scene).map(Arc::new);
     if let Some(known) = known {
         known.new += usize::from(packed.is_some());
         let parts = parts.iter();
@@ -121,7 +122,7 @@ impl KnownBake {
     }
 }
 
-fn bake(parts: &[(&Arc<Mesh>, Affine3A)], materials: &[Material]) -> Option<PackedMesh> {
+fn bake(parts: &[(&Arc<Mesh>, Affine3A)], scene: &Scene) -> Option<PackedMesh> {
     let primitives = parts
         .par_iter()
         .flat_map_iter(|(mesh, transform)| mesh.primitives.iter().map(move |p| (p, *transform)))
@@ -131,7 +132,7 @@ fn bake(parts: &[(&Arc<Mesh>, Affine3A)], materials: &[Material]) -> Option<Pack
         name: "all that stands still".to_owned(),
         primitives,
     };
-    mesh::pack_mesh(&mesh, materials).ok().flatten()
+    mesh::pack_mesh(&mesh, scene).ok().flatten()
 }
 
 /// A primitive as its instance shows it. Mirrored, its triangles' corners go the other way round, so that

@@ -3,6 +3,7 @@
 
 use super::bake::{self, KnownBake};
 use super::mesh::{self, PackedMesh};
+use super::vertex;
 use super::{PackError, check_depth, check_extent, index};
 use crate::bvh::{self, Bounds};
 use crate::scene::{self, Mesh, Scene};
@@ -20,7 +21,7 @@ use std::sync::{Arc, Weak};
 pub struct Geometry {
     pub nodes: Vec<[u32; 4]>,
     pub triangles: Vec<Triangle>,
-    pub vertices: Vec<f32>,
+    pub vertices: Vec<u32>,
     pub instances: Vec<Instance>,
     /// The triangles of each placed instance; `instances` has the further keys of those that move as well.
     pub ranges: Vec<Range<u32>>,
@@ -45,7 +46,7 @@ impl Geometry {
     };
 }
 
-/// A mesh by its address, and the layouts of its primitives' vertices, which follow from materials.
+/// A mesh by its address, and the layouts of its primitives' vertices as far as they follow from materials.
 type MeshKey = (usize, Vec<u32>);
 
 /// Meshes that were packed before. An address is not given to another mesh while a `Weak` is left.
@@ -232,12 +233,7 @@ fn pack_meshes(
     for instance in instances {
         used[instance.mesh] = true;
     }
-    let key = |mesh: &Arc<Mesh>| {
-        (
-            Arc::as_ptr(mesh).addr(),
-            mesh::layouts(mesh, &scene.materials),
-        )
-    };
+    let key = |mesh: &Arc<Mesh>| (Arc::as_ptr(mesh).addr(), vertex::layouts(mesh, scene));
     let nothing = HashMap::new();
     let before = known.as_ref().map_or(&nothing, |known| &known.packed);
     let found: Vec<Option<&Option<Arc<PackedMesh>>>> = scene
@@ -258,7 +254,7 @@ fn pack_meshes(
         .map(|((mesh, used), found)| match (used, found) {
             (false, _) => Ok(None),
             (true, Some(packed)) => Ok(packed.clone()),
-            (true, None) => Ok(mesh::pack_mesh(mesh, &scene.materials)?.map(Arc::new)),
+            (true, None) => Ok(mesh::pack_mesh(mesh, scene)?.map(Arc::new)),
         })
         .collect::<Result<Vec<_>, _>>()?;
     if let Some(known) = known {

@@ -1,9 +1,10 @@
 //! A mesh to triangles in the order of its hierarchy's leaves, and to words of vertex attributes.
 
 use super::PackError;
+use super::vertex::Layout;
 use crate::bvh::{self, Bounds, Hierarchy};
-use crate::scene::{self, Mesh, Primitive};
-use crate::shared::{LAYOUT_COLOR, LAYOUT_TANGENT, LAYOUT_TEXCOORDS_SHIFT, Triangle};
+use crate::scene::{Mesh, Scene};
+use crate::shared::Triangle;
 use glam::{Vec3, Vec3A};
 
 /// Coordinates whose boxes' areas are still finite numbers, with room for the sums of the build.
@@ -14,20 +15,17 @@ pub const MAX_COORDINATE: f32 = 1e15;
 pub struct PackedMesh {
     pub hierarchy: Hierarchy,
     pub triangles: Vec<Triangle>,
-    pub vertices: Vec<f32>,
+    pub vertices: Vec<u32>,
     pub bounds: Bounds,
 }
 
-/// `None` for a mesh without triangles.
-pub fn pack_mesh(
-    mesh: &Mesh,
-    materials: &[scene::Material],
-) -> Result<Option<PackedMesh>, PackError> {
+/// `mesh` need not be one of the scene's, whose materials it has. `None` for a mesh without triangles.
+pub fn pack_mesh(mesh: &Mesh, scene: &Scene) -> Result<Option<PackedMesh>, PackError> {
     let mut vertices = Vec::new();
     let mut triangles = Vec::new();
     let mut boxes = Vec::new();
     for (number, primitive) in mesh.primitives.iter().enumerate() {
-        let layout = Layout::of(primitive, &materials[primitive.material]);
+        let layout = Layout::of(primitive, scene);
         let first_word = super::index("vertex attributes", vertices.len())?;
         layout.write(primitive, &mut vertices);
         super::index("vertex attributes", vertices.len())?;
@@ -77,56 +75,5 @@ fn widest_first([a, b, c]: [u32; 3], positions: &[Vec3]) -> [u32; 3] {
         [b, c, a]
     } else {
         [c, a, b]
-    }
-}
-
-/// What a packed mesh takes from its materials, for each of its primitives.
-pub fn layouts(mesh: &Mesh, materials: &[scene::Material]) -> Vec<u32> {
-    let primitives = mesh.primitives.iter();
-    primitives
-        .map(|primitive| Layout::of(primitive, &materials[primitive.material]).flags())
-        .collect()
-}
-
-/// Which attributes the vertices of a primitive carry: those that are there and that its material
-/// reads.
-struct Layout {
-    tangent: bool,
-    color: bool,
-    texcoords: usize,
-}
-
-impl Layout {
-    fn of(primitive: &Primitive, material: &scene::Material) -> Self {
-        Self {
-            tangent: material.tangent_source().is_some() && primitive.tangents.is_some(),
-            color: primitive.colors.is_some(),
-            texcoords: material.texcoord_count().min(primitive.texcoords.len()),
-        }
-    }
-
-    fn words(&self) -> usize {
-        3 + 4 * usize::from(self.tangent) + 4 * usize::from(self.color) + 2 * self.texcoords
-    }
-
-    fn flags(&self) -> u32 {
-        (self.texcoords as u32) << LAYOUT_TEXCOORDS_SHIFT
-            | if self.tangent { LAYOUT_TANGENT } else { 0 }
-            | if self.color { LAYOUT_COLOR } else { 0 }
-    }
-
-    fn write(&self, primitive: &Primitive, vertices: &mut Vec<f32>) {
-        let tangents = primitive.tangents.as_ref().filter(|_| self.tangent);
-        let colors = primitive.colors.as_ref().filter(|_| self.color);
-        vertices.reserve(primitive.positions.len() * self.words());
-        for vertex in 0..primitive.positions.len() {
-            vertices.extend(primitive.normals[vertex].to_array());
-            for attribute in [tangents, colors].into_iter().flatten() {
-                vertices.extend(attribute[vertex].to_array());
-            }
-            for set in &primitive.texcoords[..self.texcoords] {
-                vertices.extend(set[vertex].to_array());
-            }
-        }
     }
 }

@@ -11,6 +11,7 @@ pub mod mesh;
 pub mod model;
 pub mod outline;
 pub mod texture;
+pub mod vertex;
 
 use crate::bvh::{Bounds, Hierarchy, MAX_DEPTH};
 use crate::scene::{self, Scene};
@@ -38,8 +39,8 @@ pub struct Packed {
     pub triangles: Vec<Triangle>,
     /// In the order of the top-level hierarchy's leaves; behind them the further keys of those that move.
     pub instances: Vec<Instance>,
-    /// Words of f32: see `LAYOUT_*`; three words of normal come first in each vertex.
-    pub vertices: Vec<f32>,
+    /// Words of attributes: see `LAYOUT_*`; the normal's comes first in each vertex.
+    pub vertices: Vec<u32>,
     pub materials: Vec<Material>,
     pub texels: Vec<u32>,
     pub lights: Vec<Light>,

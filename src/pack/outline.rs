@@ -3,16 +3,21 @@
 
 use super::light_tree::TREE_LIGHTS_MIN;
 use super::lights::is_infinite;
+use super::vertex::Layout;
 use super::{Packed, bake, geometry};
 use crate::scene::{Instance, Scene};
 use crate::shared::{
     Camera, LIGHT_CLUSTER, LIGHT_ENVIRONMENT, LIGHT_TRIANGLE, Light, MATERIAL_EMISSIVE, Material,
+    Triangle,
 };
+use std::collections::BTreeSet;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// In the order of all materials, those that some triangle has.
     pub materials: Vec<Material>,
+    /// The `Triangle.vertex_layout`s that there are.
+    pub layouts: BTreeSet<u32>,
     pub camera: Camera,
     /// Bit `1 << LIGHT_*` for each kind that is there.
     pub light_kinds: u32,
@@ -32,9 +37,13 @@ impl Outline {
         for triangle in &packed.triangles {
             used[triangle.material as usize] = true;
         }
+        let alike = |a: &Triangle, b: &Triangle| a.vertex_layout == b.vertex_layout;
         let frame = &packed.frame;
         Self {
             materials: keep(&packed.materials, &used),
+            layouts: (packed.triangles.chunk_by(alike))
+                .map(|run| run[0].vertex_layout)
+                .collect(),
             camera: frame.camera,
             light_kinds: kinds(&packed.lights),
             many_lights: packed.lights.len() > 1,
@@ -63,7 +72,9 @@ impl Outline {
             .collect();
         let mut used = vec![false; materials.len()];
         let mut glowing = 0;
+        let mut meshes = BTreeSet::new();
         for (instance, _) in &placed {
+            meshes.insert(instance.mesh);
             for primitive in &scene.meshes[instance.mesh].primitives {
                 let triangles = primitive.triangles.len();
                 used[primitive.material] |= triangles > 0;
@@ -81,8 +92,15 @@ impl Outline {
             ([], Some((one, _)), None) => bake::is_identity(one),
             (baked, first, _) => !baked.is_empty() && first.is_none(),
         };
+        let primitives = meshes
+            .iter()
+            .flat_map(|&mesh| &scene.meshes[mesh].primitives);
+        let layouts = primitives
+            .filter(|primitive| !primitive.triangles.is_empty())
+            .map(|primitive| Layout::of(primitive, scene).flags());
         Self {
             materials: keep(materials, &used),
+            layouts: layouts.collect(),
             camera,
             light_kinds: kinds(punctual)
                 | bit(glowing > 0, LIGHT_TRIANGLE)

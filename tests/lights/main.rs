@@ -18,6 +18,7 @@ use glam::Vec3;
 use snell::pack::Packed;
 use snell::pack::environment::build_environment;
 use snell::pack::lights::*;
+use snell::pack::vertex::pack_normal;
 use snell::scene::{Environment, Profile, PunctualKind, PunctualLight};
 use snell::shared::*;
 use std::sync::Arc;
@@ -84,7 +85,8 @@ fn add_triangle(
 ) {
     let vertex = |packed: &mut Packed, uv: [f32; 2]| {
         let word = packed.vertices.len() as u32;
-        packed.vertices.extend([0.0, 0.0, 1.0, uv[0], uv[1]]);
+        packed.vertices.push(pack_normal(Vec3::Z));
+        packed.vertices.extend(uv.map(f32::to_bits));
         word
     };
     let vertices = [[0.1, 0.2], [1.4, 0.3], [0.2, 0.9]].map(|uv| vertex(packed, uv));
