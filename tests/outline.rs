@@ -6,12 +6,13 @@ mod common;
 mod picture;
 
 use common::shapes::{self, Random};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
 use picture::{load_scene, project};
 use snell::pack::outline::Outline;
 use snell::pack::{Packer, View};
 use snell::scene::{Environment, PunctualKind, PunctualLight, Scene};
-use snell::shared::{LIGHT_CLUSTER, LIGHT_TRIANGLE};
+use snell::shared::{LAYOUT_COLOR, LAYOUT_COLOR_UNORM, LIGHT_CLUSTER, LIGHT_TRIANGLE};
+use std::sync::Arc;
 
 /// What was told, which must be what was found.
 fn told(name: &str, scene: &Scene, view: &View) -> Outline {
@@ -135,6 +136,24 @@ fn lights_are_foreseen() {
     assert!(all.environment && all.many_lights);
     let one = places(1, |scene| scene.lights = vec![lamp(PunctualKind::Point)]);
     assert!(!told("one lamp", &one, &view).many_lights);
+}
+
+#[test]
+fn layouts_of_vertices_are_foreseen() {
+    let colored = |value: f32| {
+        places(2, |scene| {
+            let mesh = Arc::get_mut(&mut scene.meshes[0]).unwrap();
+            mesh.primitives[0].colors = Some(vec![Vec4::splat(value); 60]);
+        })
+    };
+    let cases = [
+        ("bytes", 0.2, LAYOUT_COLOR | LAYOUT_COLOR_UNORM),
+        ("floats", 0.3, LAYOUT_COLOR),
+    ];
+    for (name, value, layout) in cases {
+        let told = told(name, &colored(value), &shapes::view());
+        assert_eq!(told.layouts, [layout].into(), "{name}");
+    }
 }
 
 /// A material that no triangle has does not count.
