@@ -36,7 +36,7 @@ def fix_materials():
             if node.type == "OUTPUT_MATERIAL":
                 for link in list(node.inputs["Volume"].links):
                     material.node_tree.links.remove(link)
-        material.cycles.emission_sampling = "FRONT" if material.name == "light" else "NONE"
+        material.cycles.emission_sampling = "FRONT" if material.name.startswith("light") else "NONE"
 
 
 def make_world(env, folder):

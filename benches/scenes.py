@@ -11,7 +11,8 @@ Frames: right-handed, y up, metres. The sky's columns follow Snell, three.js and
 axes): a direction d is found at u = atan2(d.z, d.x) / (2 pi) + 1/2, v = acos(d.y) / pi from the top row.
 
 `cornell` and `spheres` are the team's neutral scenes, `million` is a landscape of 1.2 million triangles under the
-same sky, `glass` a box with clear and frosted glass under a lamp.
+same sky, `glass` a box with clear and frosted glass under a lamp. `interior` is a room that the sky lights through a
+window, `lamps` a floor among 96 lamps of many sizes and colours.
 
 Kinds of material, and what each becomes in glTF (alpha = roughness^2 in all renderers):
     diffuse   a Lambertian: metallic 0, roughness 1, specularFactor 0
@@ -247,7 +248,62 @@ def million():
     return s
 
 
-SCENES = dict(cornell=cornell, spheres=spheres, million=million, glass=glass)
+def interior():
+    """A room of 5 m x 2.6 m x 4 m; the window is a hole in its right wall, towards the sun."""
+    s = Scene(camera=dict(origin=[2.2, 1.5, 3.9], target=[-0.5, 0.9, 0.3], yfov=55.0), env=True)
+    walls = [
+        quad((-2.5, 2.6, 0), (2.5, 2.6, 0), (2.5, 2.6, 4), (-2.5, 2.6, 4)),
+        quad((-2.5, 0, 0), (2.5, 0, 0), (2.5, 2.6, 0), (-2.5, 2.6, 0)),
+        quad((2.5, 0, 4), (-2.5, 0, 4), (-2.5, 2.6, 4), (2.5, 2.6, 4)),
+        quad((-2.5, 0, 4), (-2.5, 0, 0), (-2.5, 2.6, 0), (-2.5, 2.6, 4)),
+    ]
+    # The right wall, around a window of 2.6 m x 1.7 m.
+    for z0, z1, y0, y1 in ((0, 0.6, 0, 2.6), (3.2, 4, 0, 2.6), (0.6, 3.2, 0, 0.7), (0.6, 3.2, 2.4, 2.6)):
+        walls.append(quad((2.5, y0, z0), (2.5, y0, z1), (2.5, y1, z1), (2.5, y1, z0)))
+    floor = quad((-2.5, 0, 4), (2.5, 0, 4), (2.5, 0, 0), (-2.5, 0, 0))
+    s.meshes = dict(walls=joined(walls), floor=floor, box=cube(), ball=icosphere(5), stone=boulder(5, 0.16, seed=3))
+    s.materials = dict(
+        plaster=dict(kind="diffuse", color=[0.78, 0.75, 0.70]),
+        boards=dict(kind="plastic", color=[0.36, 0.20, 0.10], roughness=0.3),
+        cloth=dict(kind="diffuse", color=[0.12, 0.22, 0.45]),
+        brass=dict(kind="metal", color=[0.89, 0.75, 0.42], roughness=0.25),
+        clear=dict(kind="glass", ior=1.5, roughness=0.0),
+    )
+    s.add("walls", "plaster")
+    s.add("floor", "boards")
+    s.add("box", "cloth", placed((-1.3, 0.26, 0.75), (1.0, 0.25, 0.45)))
+    s.add("box", "cloth", placed((-1.3, 0.77, 0.35), (1.0, 0.25, 0.12)))
+    s.add("box", "boards", placed((0.35, 0.36, 1.3), (0.5, 0.35, 0.35), 20))
+    s.add("ball", "brass", placed((0.2, 0.92, 1.3), 0.2))
+    s.add("ball", "clear", placed((0.62, 0.87, 1.2), 0.15))
+    s.add("stone", "plaster", placed((-0.6, 0.32, 2.2), 0.3))
+    return s
+
+
+def lamps():
+    """Lamps are icosahedra, 1920 glowing triangles in all, of 1 to 6 cm and powers that differ 200 times."""
+    s = Scene(camera=dict(origin=[0, 2.4, 6.2], target=[0, 0.4, 0], yfov=42.0), env=False)
+    s.meshes = dict(
+        ground=quad((-6, 0, 6), (6, 0, 6), (6, 0, -6), (-6, 0, -6)), lamp=icosphere(0), stone=boulder(5, 0.16, seed=5)
+    )
+    s.materials = dict(
+        ground=dict(kind="plastic", color=[0.45, 0.45, 0.45], roughness=0.4),
+        chalk=dict(kind="diffuse", color=[0.7, 0.68, 0.64]),
+        steel=dict(kind="metal", color=[0.56, 0.57, 0.58], roughness=0.3),
+    )
+    s.add("ground", "ground")
+    for number, (x, z, size) in enumerate([(-1.6, 0.2, 0.6), (-0.2, 1.3, 0.4), (0.4, -0.9, 0.8), (1.8, 0.6, 0.5)]):
+        s.add("stone", ("chalk", "steel")[number % 2], placed((x, 0.8 * size, z), size, 50 * number))
+    rng = np.random.default_rng(7)
+    for number in range(96):
+        x, z, height = rng.uniform(-4, 4), rng.uniform(-4, 3), rng.uniform(0.1, 2.0)
+        color, power = rng.uniform(0.3, 1.0, 3), 20 * 200 ** rng.uniform(-0.5, 0.5)
+        s.materials[f"light{number}"] = dict(kind="light", radiance=[round(v, 3) for v in color * power])
+        s.add("lamp", f"light{number}", placed((x, height, z), rng.uniform(0.01, 0.06)))
+    return s
+
+
+SCENES = dict(cornell=cornell, spheres=spheres, million=million, glass=glass, interior=interior, lamps=lamps)
 
 
 # ---- the sky
