@@ -19,3 +19,5 @@ import package::shared::{Frame, Tables, Triangle, Instance, Material, Light};
 @group(0) @binding(12) var texel_page1: texture_2d_array<u32>;
 @group(0) @binding(13) var texel_page2: texture_2d_array<u32>;
 @group(0) @binding(14) var texel_page3: texture_2d_array<u32>;
+// The nodes of the light tree: see light_node.
+@group(0) @binding(15) var light_nodes: texture_2d<u32>;

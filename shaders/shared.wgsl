@@ -176,7 +176,7 @@ struct Frame {
     clamp: f32,                // what the largest channel of a sample's radiance is limited to; 0: not
     has_thin_walls: u32,       // 1: shadow rays may pass some material
     mesh_root: u32,            // of the one mesh that there is, if it stands in the world as it is; else 0
-    light_tree: u32,           // first of its words in `texels`
+    light_tree_triangles: u32, // triangles among its lights; they come first, by instance and triangle
     light_tree_leaves: u32,    // a power of two, the number of the first leaf; 0: there is no light tree
     reserved0: u32,
     reserved1: vec2<u32>,
@@ -314,6 +314,18 @@ struct Light {
     profile: u32,          // profile: first of its table's words in `texels`, float32 by rows
     profile_rows: u32,     // polar angles, 0 to pi; at least 2
     profile_columns: u32,  // azimuths, all of a turn
+}
+
+// A node of the light tree (light/tree.wgsl): what all lights below it are within.
+struct LightNode {
+    centre: vec3<f32>,  // of a sphere around them, world space
+    radius2: f32,       // the sphere's radius squared
+    axis: vec3<f32>,    // of a cone around the directions that they face, unit length
+    cos_cone: f32,      // of the angle between it and the farthest of them; -1: they face anywhere
+    sin_cone: f32,
+    cos_reach: f32,     // of the largest angle that one shines to from the direction that it faces
+    weight: f32,        // sum of their weights
+    light: u32,         // at a leaf: its light's index, or NONE
 }
 
 // What glTF's extensions add to a reflection model, after texturing. Of the base, `Bsdf.reflectance` is

@@ -267,9 +267,10 @@ impl Memory {
     }
 }
 
-/// The arrays of a packed scene by name, the environment's included, as bytes.
+/// The arrays of a packed scene by name, the light tree's and the environment's included, as bytes.
 fn arrays(packed: &Packed) -> impl Iterator<Item = (&'static str, &[u8])> {
     packed.arrays().into_iter().chain([
+        ("light_nodes", bytemuck::cast_slice(&packed.light_nodes)),
         ("environment", bytemuck::cast_slice(&packed.environment)),
         (
             "environment_cells",

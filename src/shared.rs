@@ -145,7 +145,7 @@ pub struct Frame {
     pub clamp: f32,
     pub has_thin_walls: u32,
     pub mesh_root: u32,
-    pub light_tree: u32,
+    pub light_tree_triangles: u32,
     pub light_tree_leaves: u32,
     pub reserved0: u32,
     pub reserved1: [u32; 2],
@@ -280,6 +280,20 @@ pub struct Light {
     pub profile: u32,
     pub profile_rows: u32,
     pub profile_columns: u32,
+}
+
+/// A node of the light tree: what all lights below it are within.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct LightNode {
+    pub centre: [f32; 3],
+    pub radius2: f32,
+    pub axis: [f32; 3],
+    pub cos_cone: f32,
+    pub sin_cone: f32,
+    pub cos_reach: f32,
+    pub weight: f32,
+    pub light: u32,
 }
 
 /// What glTF's extensions add to a reflection model, after texturing.

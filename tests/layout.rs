@@ -51,7 +51,7 @@ fn compare(module: &naga::Module, name: &str, host: Layout) {
 #[test]
 fn structures_agree_field_by_field() {
     let (module, _) = link("shared").unwrap().validate().unwrap();
-    let structs: [(&str, Layout); 12] = [
+    let structs: [(&str, Layout); 13] = [
         (
             "Camera",
             host!(shared::Camera {
@@ -102,7 +102,7 @@ fn structures_agree_field_by_field() {
                 clamp,
                 has_thin_walls,
                 mesh_root,
-                light_tree,
+                light_tree_triangles,
                 light_tree_leaves,
                 reserved0,
                 reserved1,
@@ -232,6 +232,19 @@ fn structures_agree_field_by_field() {
                 profile,
                 profile_rows,
                 profile_columns,
+            }),
+        ),
+        (
+            "LightNode",
+            host!(shared::LightNode {
+                centre,
+                radius2,
+                axis,
+                cos_cone,
+                sin_cone,
+                cos_reach,
+                weight,
+                light,
             }),
         ),
         (

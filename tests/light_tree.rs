@@ -11,43 +11,65 @@ use glam::{Affine3A, DVec2, DVec3, Vec3};
 use picture::{assert_parity, on_cpu, on_gpu, packed, whole};
 use snell::compare::z_test;
 use snell::cpu::light::light::{light_pdf_triangle, light_sample};
-use snell::cpu::light::tree::{light_share, tree_pick, tree_probability};
+use snell::cpu::light::punctual::irradiance_punctual;
+use snell::cpu::light::tree::{light_share, tree_importance, tree_pick, tree_probability};
+use snell::cpu::light::triangle::{cos_emission, light_at, light_normal};
+use snell::cpu::sample::sample_triangle;
 use snell::film::Film;
 use snell::pack::Packed;
 use snell::pack::light_tree::TREE_LIGHTS_MIN;
-use snell::scene::{Environment, PunctualKind, PunctualLight, Scene};
+use snell::pack::lights::alias_table;
+use snell::scene::{Environment, Model, PunctualKind, PunctualLight, Scene};
 use snell::shared::{LIGHT_CLUSTER, LIGHT_TRIANGLE, Light};
 
-/// A floor, two placings of a soup of 40 shining triangles, 60 point lights, and a grey sky.
+/// A floor and a sky; a soup of 40 shining triangles placed as it is and mirrored, another that shines from both
+/// sides, and one that turns; 30 point lights and 30 spots.
 fn many_lights() -> Scene {
     let mut random = Random(31);
-    let soup: Vec<[Vec3; 3]> = (0..40)
-        .map(|_| {
-            let p = random.cube();
-            [0, 1, 2].map(|_| p + 0.2 * random.direction())
-        })
-        .collect();
-    let mut shining = flat(&soup);
-    shining.primitives[0].material = 1;
+    let mut soup = || {
+        let triangles: Vec<[Vec3; 3]> = (0..40)
+            .map(|_| {
+                let p = random.cube();
+                [0, 1, 2].map(|_| p + 0.2 * random.direction())
+            })
+            .collect();
+        flat(&triangles)
+    };
+    let (mut one_sided, mut two_sided) = (soup(), soup());
+    one_sided.primitives[0].material = 1;
+    two_sided.primitives[0].material = 2;
     let up = |x: f32| Affine3A::from_translation(Vec3::new(x, 1.3, 0.0));
+    let mut turning = instance(1, up(0.0));
+    turning.motion = [up(0.3) * Affine3A::from_rotation_x(1.0)].into();
     let mut scene = scene(
-        vec![grid(2, |_, _| 0.0), shining],
+        vec![grid(2, |_, _| 0.0), one_sided, two_sided],
         vec![
             instance(0, Affine3A::from_scale(Vec3::splat(3.0))),
             instance(1, up(-1.0)),
-            instance(1, up(1.5)),
+            instance(1, up(1.5) * Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0))),
+            instance(2, up(-2.5)),
+            turning,
         ],
     );
-    let mut lamp = material();
-    lamp.emissive = Vec3::new(4.0, 5.0, 6.0);
-    scene.materials.push(lamp);
+    for double_sided in [false, true] {
+        let mut lamp = material();
+        lamp.double_sided = double_sided;
+        lamp.emissive = Vec3::new(4.0, 5.0, 6.0);
+        scene.materials.push(lamp);
+    }
     scene.lights = (0..60)
-        .map(|_| PunctualLight {
+        .map(|number| PunctualLight {
             name: String::new(),
-            kind: PunctualKind::Point,
+            kind: match number % 2 {
+                0 => PunctualKind::Point,
+                _ => PunctualKind::Spot {
+                    inner_angle: 0.3,
+                    outer_angle: 0.7,
+                },
+            },
             intensity: Vec3::splat(0.05 + random.unit().powi(6)),
             position: 2.0 * random.cube() + 2.2 * Vec3::Y,
-            direction: Vec3::NEG_Y,
+            direction: random.direction(),
             range: None,
         })
         .collect();
@@ -59,6 +81,24 @@ fn many_lights() -> Scene {
         rotation: 0.0,
     });
     scene
+}
+
+/// The same lights, chosen by the table of their weights alone.
+fn by_table(packed: &Packed) -> Packed {
+    let mut table = packed.clone();
+    table.lights.retain(|light| light.kind != LIGHT_CLUSTER);
+    let weights: Vec<f64> = (table.lights.iter())
+        .map(|light| light.weight.into())
+        .collect();
+    for (light, (index, threshold)) in table.lights.iter_mut().zip(alias_table(&weights)) {
+        light.alias_index = index;
+        light.alias_threshold = threshold;
+    }
+    table.frame.light_count = table.lights.len() as u32;
+    table.frame.light_tree_leaves = 0;
+    table.frame.light_tree_triangles = 0;
+    table.light_nodes.truncate(1);
+    table
 }
 
 fn in_tree(packed: &Packed) -> impl Iterator<Item = (u32, &Light)> {
@@ -80,7 +120,7 @@ fn a_tree_is_there_from_enough_lights_on() {
     let tree = packed(&scene, [8, 8]);
     assert_eq!(tree.frame.light_count, 2, "the sky, and one for all others");
     assert_eq!(tree.lights[1].kind, LIGHT_CLUSTER);
-    assert_eq!(in_tree(&tree).count(), 140);
+    assert_eq!(in_tree(&tree).count(), 220);
     assert_eq!(tree.frame.light_tree_leaves, 256);
     let weight: f32 = in_tree(&tree).map(|(_, light)| light.weight).sum();
     assert!((tree.lights[1].weight - weight).abs() < 1e-4 * weight);
@@ -91,15 +131,22 @@ fn a_tree_is_there_from_enough_lights_on() {
     assert_eq!(table.frame.light_count as usize, table.lights.len());
 }
 
-#[test]
-fn every_light_has_a_probability_and_their_sum_is_one() {
-    let packed = packed(&many_lights(), [8, 8]);
-    for p in places(&mut Random(32), 200) {
-        let each =
-            in_tree(&packed).map(|(_, light)| tree_probability(&packed, p, light.alias_index));
-        let sum: f64 = each.inspect(|&one| assert!(one > 0.0)).sum();
-        assert!((sum - 1.0).abs() < 1e-12, "at {p}: {sum}");
+/// The probability with which the walk from the root comes to a leaf.
+fn walked(packed: &Packed, p: DVec3, ns: DVec3, transmits: bool, leaf: u32) -> f64 {
+    let mut node = leaf;
+    let mut probability = 1.0;
+    while node > 1 {
+        let received = |node: u32| {
+            tree_importance(&packed.light_nodes[node as usize], p, ns, transmits).received
+        };
+        let own = received(node);
+        if own == 0.0 {
+            return 0.0;
+        }
+        probability *= own / (own + received(node ^ 1));
+        node /= 2;
     }
+    probability
 }
 
 #[test]
@@ -108,24 +155,85 @@ fn picks_follow_their_probability() {
     let mut random = Random(33);
     let first = packed.frame.light_count;
     let draws = 400_000;
-    for p in [
-        DVec3::ZERO,
-        DVec3::new(1.2, 1.0, 0.3),
-        DVec3::new(50.0, 0.0, 0.0),
+    for (p, ns, transmits) in [
+        (DVec3::ZERO, DVec3::Y, false),
+        (DVec3::new(1.2, 1.0, 0.3), DVec3::NEG_X, false),
+        (DVec3::new(1.2, 1.0, 0.3), DVec3::NEG_X, true),
+        (DVec3::new(50.0, 0.0, 0.0), DVec3::new(0.0, 0.8, 0.6), false),
     ] {
-        let mut observed = vec![0.0; in_tree(&packed).count()];
+        // The last: walks that end above leaves, since none of a node's lights faces p though its cone did.
+        let lights = in_tree(&packed).count();
+        let mut observed = vec![0.0; lights + 1];
         for _ in 0..draws {
-            let pick = tree_pick(&packed, p, random.unit().into(), random.bits() as u32);
+            let u = random.unit().into();
+            let pick = tree_pick(&packed, p, ns, transmits, u, random.bits() as u32);
+            if pick.p == 0.0 {
+                observed[lights] += 1.0;
+                continue;
+            }
             let leaf = packed.lights[pick.index as usize].alias_index;
-            let probability = tree_probability(&packed, p, leaf);
-            assert!((pick.p - probability).abs() < 1e-12 * probability);
+            let by_sent = tree_probability(&packed, p, leaf);
+            let taken = walked(&packed, p, ns, transmits, leaf);
+            assert!((pick.p - by_sent).abs() < 1e-12 * by_sent);
+            assert!((pick.weight - by_sent / taken).abs() < 1e-9 * pick.weight);
+            assert!(!transmits || pick.weight == 1.0 || (pick.weight - 1.0).abs() < 1e-12);
             observed[(pick.index - first) as usize] += 1.0;
         }
-        let expected: Vec<f64> = in_tree(&packed)
-            .map(|(_, light)| f64::from(draws) * tree_probability(&packed, p, light.alias_index))
+        let mut expected: Vec<f64> = in_tree(&packed)
+            .map(|(_, light)| walked(&packed, p, ns, transmits, light.alias_index))
+            .map(|probability| f64::from(draws) * probability)
             .collect();
-        assert_p(&format!("at {p}"), chi_square_p(&observed, &expected), 3);
+        let ended = f64::from(draws) - expected.iter().sum::<f64>();
+        assert!((-1e-6..0.2 * f64::from(draws)).contains(&ended), "{ended}");
+        expected.push(ended.max(0.0));
+        assert_p(&format!("at {p}"), chi_square_p(&observed, &expected), 4);
     }
+}
+
+/// Points on lights that shine to where they are seen from, above the surface: none may be left out.
+#[test]
+fn every_light_that_shines_to_a_surface_can_be_chosen() {
+    let packed = packed(&many_lights(), [8, 8]);
+    let mut random = Random(36);
+    let (mut seen, mut unseen) = (0, 0);
+    for (number, p) in places(&mut random, 4000).into_iter().enumerate() {
+        let ns = random.direction().as_dvec3();
+        let time = f64::from(random.unit());
+        for (_, light) in in_tree(&packed).skip(number % 3).step_by(3) {
+            let u = DVec2::new(random.unit().into(), random.unit().into());
+            let (target, shines) = match light.kind {
+                LIGHT_TRIANGLE => {
+                    let at = light_at(&packed, light, time);
+                    let b = sample_triangle(u);
+                    let target = at.position + b.x * at.direction + b.y * at.edge2;
+                    let to_p = (p - target).normalize();
+                    let cosine = to_p.dot(light_normal(&packed, &at, time));
+                    (target, cos_emission(&packed, &at, cosine) > 0.0)
+                }
+                _ => {
+                    let target = Vec3::from(light.position).as_dvec3();
+                    let wi = (target - p).normalize();
+                    let light = irradiance_punctual(&packed, light, wi, target.distance(p));
+                    (target, light != DVec3::ZERO)
+                }
+            };
+            let leaf = light.alias_index;
+            let above = (target - p).dot(ns) > 0.0;
+            if shines {
+                assert!(tree_probability(&packed, p, leaf) > 0.0, "{light:?} to {p}");
+                assert!(walked(&packed, p, ns, true, leaf) > 0.0, "{light:?} to {p}");
+            }
+            if shines && above {
+                let probability = walked(&packed, p, ns, false, leaf);
+                assert!(probability > 0.0, "{light:?} to {p} with {ns}");
+                seen += 1;
+            } else {
+                unseen += u32::from(walked(&packed, p, ns, false, leaf) == 0.0);
+            }
+        }
+    }
+    // And most that do not, or below it, are.
+    assert!(seen > 50_000 && unseen > 100_000, "{seen} {unseen}");
 }
 
 #[test]
@@ -135,34 +243,32 @@ fn a_samples_pdf_is_the_density_of_what_it_meets() {
     let mut met = 0;
     for p in places(&mut Random(35), 20_000) {
         let u = DVec2::new(random.unit().into(), random.unit().into());
-        let s = light_sample(&packed, p, DVec3::Y, true, random.unit().into(), u, 0.0);
+        let (ns, transmits) = (random.direction().as_dvec3(), random.below(2) == 0);
+        let s = light_sample(&packed, p, ns, transmits, random.unit().into(), u, 0.0);
         // Which of the triangles it is on, by its place.
         let target = p + s.distance * s.wi;
-        let on = in_tree(&packed).find(|(_, light)| {
-            let [p0, e1, e2] =
-                [light.position, light.direction, light.edge2].map(|v| Vec3::from(v).as_dvec3());
-            let (n, d) = (e1.cross(e2), target - p0);
+        let triangles = in_tree(&packed).filter(|(_, light)| light.kind == LIGHT_TRIANGLE);
+        let mut triangles = triangles.map(|(_, light)| light_at(&packed, light, 0.0));
+        let on = triangles.find(|light| {
+            let (e1, e2) = (light.direction, light.edge2);
+            let (n, d) = (e1.cross(e2), target - light.position);
             let (b1, b2) = (d.cross(e2).dot(n), e1.cross(d).dot(n));
-            light.kind == LIGHT_TRIANGLE
-                && d.dot(n).abs() < 1e-9 * n.length()
-                && b1.min(b2) >= 0.0
-                && b1 + b2 <= n.length_squared()
+            d.dot(n).abs() < 1e-9 * n.length() && b1.min(b2) >= 0.0 && b1 + b2 <= n.length_squared()
         });
-        let (Some((_, light)), 0) = (on, s.delta) else {
+        let (Some(light), 0) = (on, s.delta) else {
             continue;
         };
         met += 1;
-        let [e1, e2] = [light.direction, light.edge2].map(|v| Vec3::from(v).as_dvec3());
-        let n = e1.cross(e2);
+        let cosine = -s.wi.dot(light_normal(&packed, &light, 0.0));
         let material = packed.triangles[light.triangle as usize].material;
         let expected = light_pdf_triangle(
             light_share(&packed, p, light.instance, light.triangle),
             packed.materials[material as usize].emission_weight.into(),
             s.distance,
-            n.dot(s.wi).abs() / n.length(),
+            cos_emission(&packed, &light, cosine),
         );
         assert!(
-            (s.pdf - expected).abs() < 1e-6 * expected,
+            (s.pdf - expected).abs() <= 1e-6 * expected,
             "{} {expected}",
             s.pdf
         );
@@ -195,7 +301,7 @@ fn lamp(n: u32) -> Scene {
 #[test]
 fn a_tree_changes_no_picture() {
     // Few triangles, chosen by the table, and many of the same shape, chosen by the tree.
-    let few = packed(&lamp(2), [24, 24]);
+    let few = packed(&lamp(1), [24, 24]);
     let many = packed(&lamp(12), [24, 24]);
     assert_eq!(few.frame.light_tree_leaves, 0);
     assert_eq!(many.frame.light_tree_leaves, 512);
@@ -220,15 +326,38 @@ fn a_tree_changes_no_picture() {
     assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
 }
 
+/// Lights that face all ways, that move, and that surfaces turn away from.
+#[test]
+fn a_tree_changes_no_light() {
+    let mut scene = many_lights();
+    let Model::MetallicRoughness(floor) = &mut scene.materials[0].model else {
+        unreachable!("it is grey");
+    };
+    (floor.roughness, floor.metallic) = (0.3, 0.5);
+    let tree = packed(&scene, [24, 24]);
+    let table = by_table(&tree);
+    let (tree, table) = (
+        on_cpu(&tree, &whole(&tree, 2048)),
+        on_cpu(&table, &whole(&table, 8192)),
+    );
+    let verdict = z_test(&tree, &table, 0.01);
+    assert_eq!(verdict.rejected, 0, "{verdict:?}");
+    let same_mean = |p: &f64| *p > verdict.alpha_average;
+    assert!(verdict.p_mean.iter().all(same_mean), "{verdict:?}");
+}
+
 #[test]
 fn the_renderers_choose_alike() {
-    let packed = packed(&many_lights(), [32, 32]);
-    let samples = whole(&packed, 4);
     let mut gpu = common::gpu();
-    let line = assert_parity(
-        "many_lights",
-        &on_gpu(&mut gpu, &packed, &samples),
-        &on_cpu(&packed, &samples),
-    );
-    println!("{line}");
+    // The second fills more than a row of the nodes' texture.
+    for (name, scene) in [("many_lights", many_lights()), ("lamp", lamp(30))] {
+        let packed = packed(&scene, [32, 32]);
+        let samples = whole(&packed, 4);
+        let line = assert_parity(
+            name,
+            &on_gpu(&mut gpu, &packed, &samples),
+            &on_cpu(&packed, &samples),
+        );
+        println!("{line}");
+    }
 }

@@ -8,6 +8,7 @@ mod picture;
 use common::shapes::{self, Random};
 use glam::{Affine3A, Vec3, Vec4};
 use picture::{load_scene, project};
+use snell::pack::light_tree::TREE_LIGHTS_MIN;
 use snell::pack::outline::Outline;
 use snell::pack::{Packer, View};
 use snell::scene::{Environment, PunctualKind, PunctualLight, Scene};
@@ -108,11 +109,21 @@ fn motion_is_foreseen() {
 #[test]
 fn lights_are_foreseen() {
     let view = shapes::view();
-    let glow = |scene: &mut Scene| scene.materials[0].emissive = Vec3::ONE;
-    let glowing = told("20 glowing triangles", &places(1, glow), &view);
-    assert_eq!(glowing.light_kinds, 1 << LIGHT_TRIANGLE);
-    assert!(glowing.many_lights && !glowing.light_tree);
-    let more = told("40", &places(2, glow), &view);
+    let glowing = |triangles: usize| {
+        places(1, |scene| {
+            scene.materials[0].emissive = Vec3::ONE;
+            let mesh = Arc::get_mut(&mut scene.meshes[0]).unwrap();
+            mesh.primitives[0].triangles.truncate(triangles);
+        })
+    };
+    let few = told(
+        "few glowing triangles",
+        &glowing(TREE_LIGHTS_MIN - 1),
+        &view,
+    );
+    assert_eq!(few.light_kinds, 1 << LIGHT_TRIANGLE);
+    assert!(few.many_lights && !few.light_tree);
+    let more = told("one more", &glowing(TREE_LIGHTS_MIN), &view);
     assert_eq!(more.light_kinds, 1 << LIGHT_TRIANGLE | 1 << LIGHT_CLUSTER);
     let all = places(1, |scene| {
         scene.lights = vec![

@@ -25,6 +25,7 @@ fn bytes(packed: &Packed) -> Vec<u8> {
     all.extend_from_slice(bytemuck::cast_slice(&packed.materials));
     all.extend_from_slice(bytemuck::cast_slice(&packed.texels));
     all.extend_from_slice(bytemuck::cast_slice(&packed.lights));
+    all.extend_from_slice(bytemuck::cast_slice(&packed.light_nodes));
     all.extend_from_slice(bytemuck::cast_slice(&packed.environment));
     all.extend_from_slice(bytemuck::cast_slice(&packed.environment_cells));
     all
@@ -400,18 +401,19 @@ fn lights_are_all_that_shines() {
     for (a, b) in in_order(&baked).iter().zip(in_order(&packed)) {
         assert!((a - b).abs() <= 1e-5 * b, "{a} and {b}");
     }
-    assert_eq!(baked.frame.light_count, 4);
+    assert_eq!(baked.frame.light_count, 2, "the sky, and one for the tree");
     let kinds: Vec<_> = packed.lights.iter().map(|light| light.kind).collect();
     assert_eq!(
         kinds,
         [
+            LIGHT_ENVIRONMENT,
+            LIGHT_CLUSTER,
+            LIGHT_TRIANGLE,
+            LIGHT_TRIANGLE,
             LIGHT_POINT,
-            LIGHT_TRIANGLE,
-            LIGHT_TRIANGLE,
-            LIGHT_ENVIRONMENT
         ]
     );
-    for light in &packed.lights[1..3] {
+    for light in &packed.lights[2..4] {
         let instance = &packed.instances[light.instance as usize];
         let area = if instance.flags & INSTANCE_FLIPPED != 0 {
             3.0
@@ -423,15 +425,16 @@ fn lights_are_all_that_shines() {
         assert_eq!(triangle.material, 1);
     }
     let frame = &packed.frame;
-    assert_eq!(frame.light_count, 4);
+    assert_eq!((frame.light_count, frame.light_tree_triangles), (2, 2));
     assert_eq!(
         (frame.environment_strength, frame.environment_size),
         (0.5, [4, 2])
     );
     assert!((frame.environment_sin - 0.25_f32.sin()).abs() < 1e-7);
-    let total: f32 = packed.lights.iter().map(|light| light.weight).sum();
+    // The tree's entry weighs what its lights do.
+    let total: f32 = packed.lights[..2].iter().map(|light| light.weight).sum();
     assert!((frame.light_weight_total - total).abs() < 1e-3 * total);
-    assert_eq!(frame.environment_weight, packed.lights[3].weight);
+    assert_eq!(frame.environment_weight, packed.lights[0].weight);
 }
 
 #[test]

@@ -17,8 +17,8 @@ const LIGHT_DISTANCE_INFINITE: f32 = 1e18;
 struct LightSample {
     wi: vec3<f32>,   // unit length, to the light
     distance: f32,   // metres to the light
-    Le: vec3<f32>,   // radiance, times `weight` of an environment's sample; of a delta light: irradiance on a surface that faces it
-    pdf: f32,        // per solid angle, of a delta light discrete; the choice included; 0: no sample
+    Le: vec3<f32>,   // radiance; of a delta light: irradiance on a surface that faces it; times `pdf` over the density that the sample had
+    pdf: f32,        // by which it is weighed: per solid angle, of a delta light discrete; the choice included; 0: no sample
     delta: u32,      // 1: no other technique finds this light
 }
 
@@ -76,14 +76,16 @@ fn light_sample(p: vec3<f32>, ns: vec3<f32>, transmits: bool, u_pick: f32, u: ve
     let pick = light_pick(u_pick, u);
     var light = lights[pick.index];
     var share = 1.0 / frame.light_weight_total;
+    var weight = 1.0;
     if LIGHT_TREE && light.kind == LIGHT_CLUSTER {
-        let leaf = tree_pick(p, pick.rest, u32(u.x * 0x1p24f));
+        let leaf = tree_pick(p, ns, transmits, pick.rest, u32(u.x * 0x1p24f));
         if leaf.p <= 0.0 {
             return result;
         }
         share *= light.weight * leaf.p;
         light = lights[leaf.index];
         share /= light.weight;
+        weight = leaf.weight;
     }
     if HAS_ENVIRONMENT_LIGHT && light.kind == LIGHT_ENVIRONMENT {
         let sample = environment_sample_facing(ns, transmits, pick.rest, u);
@@ -127,11 +129,11 @@ fn light_sample(p: vec3<f32>, ns: vec3<f32>, transmits: bool, u_pick: f32, u: ve
         let emission_weight = materials[triangles[light.triangle].material].emission_weight;
         result.pdf = light_pdf_triangle(share, emission_weight, distance, cos_light);
         if result.pdf > 0.0 {
-            result.Le = Le_triangle(light, barycentrics);
+            result.Le = weight * Le_triangle(light, barycentrics);
         }
         return result;
     }
-    result.Le = irradiance_punctual(light, result.wi, distance);
+    result.Le = weight * irradiance_punctual(light, result.wi, distance);
     result.pdf = light.weight * share;
     result.delta = 1u;
     return result;

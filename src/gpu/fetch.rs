@@ -86,9 +86,9 @@ pub fn fetch_from_textures(
     Ok(())
 }
 
-/// Makes storage textures of the float32 textures for which `components(name)` says of how many components
-/// their texels are, 2 or 4: a sampled texture's texel takes two to three times as long.
-pub fn load_as_storage(module: &mut Module, components: impl Fn(&str) -> Option<u32>) {
+/// Makes storage textures of those for which `format(name)` tells one: a sampled texture's texel takes two
+/// to three times as long.
+pub fn load_as_storage(module: &mut Module, format: impl Fn(&str) -> Option<StorageFormat>) {
     let mut changed = Vec::new();
     for (handle, variable) in module.global_variables.iter() {
         let TypeInner::Image {
@@ -98,12 +98,9 @@ pub fn load_as_storage(module: &mut Module, components: impl Fn(&str) -> Option<
         else {
             continue;
         };
-        let format = match variable.name.as_deref().and_then(&components) {
-            Some(2) => StorageFormat::Rg32Float,
-            Some(4) => StorageFormat::Rgba32Float,
-            _ => continue,
-        };
-        changed.push((handle, format));
+        if let Some(format) = variable.name.as_deref().and_then(&format) {
+            changed.push((handle, format));
+        }
     }
     for &(handle, format) in &changed {
         let image = TypeInner::Image {

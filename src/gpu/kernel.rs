@@ -74,7 +74,7 @@ impl Kernel {
         prune(&mut module, entry);
         if gpu.arrays_in_textures {
             fetch_from_textures(&mut module, |name| ARRAYS.contains(&name))?;
-            load_as_storage(&mut module, upload::components);
+            load_as_storage(&mut module, upload::storage_format);
         }
         // Only what the entry point reaches is left.
         let mut used: BTreeMap<u32, Vec<u32>> = BTreeMap::new();

@@ -5,7 +5,7 @@ use super::device::{Fault, Gpu};
 use super::fetch::ROW_BITS;
 use super::link::Value;
 use crate::pack::Packed;
-use crate::shared::Material;
+use crate::shared::{LightNode, Material};
 use thiserror::Error;
 
 /// Group 0, in the order of its bindings.
@@ -13,6 +13,7 @@ pub struct Scene {
     pub frame: wgpu::Buffer,
     tables: wgpu::Buffer,
     arrays: Vec<Array>,
+    light_nodes: wgpu::TextureView,
     environment: wgpu::TextureView,
     environment_cells: wgpu::TextureView,
     pages: Option<Pages>,
@@ -82,6 +83,9 @@ pub enum UploadError {
     #[error("the device failed while the scene was uploaded: {0}")]
     Device(String),
 }
+
+/// Nodes of the light tree, three texels each, in a row of their texture: a power of two, as their number is.
+const LIGHT_NODES_IN_ROW: usize = 2048;
 
 /// A binding may not be empty; this covers one element of the largest structure.
 const SMALLEST_BUFFER: u64 = size_of::<Material>() as u64;
@@ -178,6 +182,16 @@ impl Scene {
         }
         let [width, height] = packed.frame.environment_size;
         let limit = gpu.limits.max_texture_dimension_2d;
+        let nodes = packed.light_nodes.len();
+        let node_rows = nodes.div_ceil(LIGHT_NODES_IN_ROW);
+        if node_rows > limit as usize {
+            let row_bytes = (LIGHT_NODES_IN_ROW * size_of::<LightNode>()) as u64;
+            return Err(UploadError::TooLarge {
+                what: "light tree",
+                bytes: node_rows as u64 * row_bytes,
+                limit: u64::from(limit) * row_bytes,
+            });
+        }
         if width.max(height) > limit {
             return Err(UploadError::EnvironmentTooLarge {
                 width,
@@ -215,6 +229,16 @@ impl Scene {
             frame,
             tables,
             arrays,
+            light_nodes: texture(
+                gpu,
+                "light_nodes",
+                [
+                    (nodes.min(LIGHT_NODES_IN_ROW) * size_of::<LightNode>() / 16) as u32,
+                    node_rows as u32,
+                ],
+                wgpu::TextureFormat::Rgba32Uint,
+                bytemuck::cast_slice(&packed.light_nodes),
+            ),
             environment: texture(
                 gpu,
                 "environment",
@@ -256,6 +280,7 @@ impl Scene {
             0 => self.frame.as_entire_binding(),
             9 => wgpu::BindingResource::TextureView(&self.environment),
             10 => wgpu::BindingResource::TextureView(&self.environment_cells),
+            15 => wgpu::BindingResource::TextureView(&self.light_nodes),
             page @ 11..15 => {
                 let pages = self.pages.as_ref().expect("kernels were told of pages");
                 wgpu::BindingResource::TextureView(&pages.views[page as usize - 11])
@@ -283,11 +308,12 @@ fn largest_array(gpu: &Gpu, what: &str) -> u64 {
     }
 }
 
-/// Components of a texel of the scene's float32 textures.
-pub fn components(what: &str) -> Option<u32> {
+/// The format of the scene's textures that are no array and no page.
+pub fn storage_format(what: &str) -> Option<naga::StorageFormat> {
     match what {
-        "environment" => Some(4),
-        "environment_cells" => Some(2),
+        "light_nodes" => Some(naga::StorageFormat::Rgba32Uint),
+        "environment" => Some(naga::StorageFormat::Rgba32Float),
+        "environment_cells" => Some(naga::StorageFormat::Rg32Float),
         _ => None,
     }
 }

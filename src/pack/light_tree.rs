@@ -1,32 +1,38 @@
 //! The tree over many lights with a place (see `shaders/light/tree.wgsl`).
 
+use super::geometry::Geometry;
 use super::lights::{alias_table, is_infinite};
 use super::{PackError, index};
-use crate::shared::{LIGHT_CLUSTER, LIGHT_TRIANGLE, Light, NONE};
+use crate::shared::{
+    INSTANCE_FLIPPED, LIGHT_CLUSTER, LIGHT_SPOT, LIGHT_TRIANGLE, Light, LightNode,
+    MATERIAL_DOUBLE_SIDED, Material, NONE,
+};
 use bytemuck::Zeroable;
-use glam::Vec3;
-
-/// Words of a node: centre and squared radius of a sphere around the lights, the sum of their weights, and
-/// at a leaf the light's index.
-pub const TREE_WORDS: u32 = 6;
+use glam::{DVec3, Vec3, Vec4};
 
 /// From this many lights with a place on they are chosen by a tree: below, the walk costs more than the
 /// choice by power alone makes up for in noise (benches/RESULTS.md).
-pub const TREE_LIGHTS_MIN: usize = 32;
+pub const TREE_LIGHTS_MIN: usize = 3;
 
 /// No sphere is smaller than this part of the scene's radius, so that a surface at a light does not give
 /// it all of the choice.
 const RADIUS_MIN: f32 = 1e-4;
 
-/// Where the tree is, as `Frame` holds it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Spheres are larger by this factor and cones wider by this angle, radians, than what they are around, so that
+/// rounding in a kernel loses no light.
+const RADIUS_SLACK: f32 = 1.001;
+const CONE_SLACK: f64 = 1e-3;
+
+/// The tree, and where its lights are.
 pub struct LightTree {
     /// Entries of the alias table: the lights before those in the tree.
     pub light_count: u32,
-    /// First of the tree's words in `texels`.
-    pub first_word: u32,
+    /// Triangles among the lights in the tree.
+    pub triangles: u32,
     /// A power of two, and the number of the first leaf; 0: there is no tree.
     pub leaves: u32,
+    /// `2 * leaves`, or one of zeros.
+    pub nodes: Vec<LightNode>,
 }
 
 /// A light in the tree.
@@ -34,42 +40,123 @@ pub struct LightTree {
 struct Leaf {
     low: Vec3,
     high: Vec3,
+    /// The direction that it faces, unit length; none: it shines anywhere.
+    facing: Option<DVec3>,
+    /// Of the largest angle that it shines to from there.
+    cos_reach: f32,
     weight: f32,
     light: u32,
 }
 
 impl Leaf {
-    fn new(light: &Light, index: usize) -> Self {
-        let corner = Vec3::from(light.position);
-        let (mut low, mut high) = (corner, corner);
-        if light.kind == LIGHT_TRIANGLE {
-            for edge in [light.direction, light.edge2] {
-                low = low.min(corner + Vec3::from(edge));
-                high = high.max(corner + Vec3::from(edge));
-            }
-        }
-        Self {
-            low,
-            high,
+    fn new(light: &Light, index: usize, geometry: &Geometry, materials: &[Material]) -> Self {
+        let place = Vec3::from(light.position);
+        let mut leaf = Self {
+            low: place,
+            high: place,
+            facing: None,
+            cos_reach: -1.0,
             weight: light.weight,
             light: index as u32,
+        };
+        match light.kind {
+            LIGHT_SPOT => {
+                leaf.facing = Some(Vec3::from(light.direction).as_dvec3());
+                leaf.cos_reach = light.cos_outer - CONE_SLACK as f32;
+            }
+            LIGHT_TRIANGLE => leaf.stretch(light, geometry, materials),
+            _ => {}
         }
+        leaf
+    }
+
+    /// To where a triangle is at all times, which is between its places at the keys of its instance's motion.
+    fn stretch(&mut self, light: &Light, geometry: &Geometry, materials: &[Material]) {
+        let edges = [light.direction, light.edge2].map(Vec3::from);
+        for corner in edges.map(|edge| Vec3::from(light.position) + edge) {
+            self.include(corner);
+        }
+        let triangle = &geometry.triangles[light.triangle as usize];
+        let instance = &geometry.instances[light.instance as usize];
+        let further = geometry.further_keys(instance);
+        if !further.is_empty() {
+            let p0 = Vec3::from(triangle.p0);
+            let corners = [
+                p0,
+                p0 + Vec3::from(triangle.e1),
+                p0 + Vec3::from(triangle.e2),
+            ];
+            for key in further.iter().chain([instance]) {
+                let rows = key.world_from_object.map(Vec4::from);
+                for corner in corners {
+                    self.include(Vec3::from(rows.map(|row| row.dot(corner.extend(1.0)))));
+                }
+            }
+            return;
+        }
+        if materials[triangle.material as usize].flags & MATERIAL_DOUBLE_SIDED != 0 {
+            return;
+        }
+        let [edge1, edge2] = edges.map(|edge| edge.as_dvec3());
+        let side = match instance.flags & INSTANCE_FLIPPED {
+            0 => 1.0,
+            _ => -1.0,
+        };
+        self.facing = (edge1.normalize_or_zero().cross(edge2.normalize_or_zero()))
+            .try_normalize()
+            .map(|normal| side * normal);
+        if self.facing.is_some() {
+            self.cos_reach = 0.0;
+        }
+    }
+
+    fn include(&mut self, corner: Vec3) {
+        self.low = self.low.min(corner);
+        self.high = self.high.max(corner);
     }
 }
 
+/// Around the directions that lights face: an axis and the cosine of the largest angle to it.
+fn cone(leaves: &[Leaf]) -> (DVec3, f64) {
+    const ANYWHERE: (DVec3, f64) = (DVec3::Z, -1.0);
+    let facing: Option<Vec<DVec3>> = leaves.iter().map(|leaf| leaf.facing).collect();
+    let Some(facing) = facing else {
+        return ANYWHERE;
+    };
+    let weighed = facing.iter().zip(leaves);
+    let sum: DVec3 = weighed
+        .map(|(&normal, leaf)| normal * f64::from(leaf.weight))
+        .sum();
+    let Some(axis) = sum.try_normalize() else {
+        return ANYWHERE;
+    };
+    let farthest = facing
+        .iter()
+        .map(|normal| normal.dot(axis))
+        .fold(1.0, f64::min);
+    let angle = farthest.clamp(-1.0, 1.0).acos() + CONE_SLACK;
+    if angle >= std::f64::consts::PI {
+        return ANYWHERE;
+    }
+    (axis, angle.cos())
+}
+
 /// Where there are many lights with a place, puts them behind the others, triangles first by instance and
-/// triangle, with one entry for all of them in the alias table, and appends their tree to the texels.
-/// Their `alias_index` becomes the number of their leaf. The lights come weighed.
+/// triangle, with one entry for all of them in the alias table, and builds their tree. Their
+/// `alias_index` becomes the number of their leaf. The lights come weighed.
 pub fn build_light_tree(
     lights: &mut Vec<Light>,
-    texels: &mut Vec<u32>,
+    geometry: &Geometry,
+    materials: &[Material],
     scene_radius: f32,
 ) -> Result<LightTree, PackError> {
     let placed = lights.iter().filter(|light| !is_infinite(light)).count();
     if placed < TREE_LIGHTS_MIN {
         return Ok(LightTree {
             light_count: index("lights", lights.len())?,
-            ..LightTree::default()
+            triangles: 0,
+            leaves: 0,
+            nodes: vec![LightNode::zeroed()],
         });
     }
     lights.sort_by_key(|light| match (is_infinite(light), light.kind) {
@@ -100,60 +187,66 @@ pub fn build_light_tree(
     index("lights", lights.len())?;
 
     let mut leaves: Vec<Leaf> = (lights.iter().enumerate().skip(light_count))
-        .map(|(index, light)| Leaf::new(light, index))
+        .map(|(index, light)| Leaf::new(light, index, geometry, materials))
         .collect();
     let first_leaf = placed.next_power_of_two();
+    let radius2_min = (RADIUS_MIN * scene_radius).powi(2).max(f32::MIN_POSITIVE);
+    // A leaf without a light is never taken, but asked.
+    let empty = LightNode {
+        radius2: radius2_min,
+        light: NONE,
+        ..LightNode::zeroed()
+    };
     let mut tree = Tree {
-        words: vec![0; 2 * first_leaf * TREE_WORDS as usize],
+        nodes: vec![empty; 2 * first_leaf],
         first_leaf,
-        radius2_min: (RADIUS_MIN * scene_radius).powi(2).max(f32::MIN_POSITIVE),
-        lights: &mut lights[..],
+        radius2_min,
     };
     tree.plant(1, &mut leaves);
-    let mut words = tree.words;
+    for (number, node) in tree.nodes.iter().enumerate().skip(first_leaf) {
+        if let Some(light) = lights.get_mut(node.light as usize) {
+            light.alias_index = number as u32;
+        }
+    }
     let triangles = lights[light_count..].iter();
-    words[0] = triangles
-        .filter(|light| light.kind == LIGHT_TRIANGLE)
-        .count() as u32;
-    let first_word = index("texels", texels.len())?;
-    texels.extend(words);
-    index("texels", texels.len())?;
     Ok(LightTree {
         light_count: index("lights", light_count)?,
-        first_word,
-        leaves: index("leaves of the light tree", first_leaf)?,
+        triangles: triangles
+            .filter(|light| light.kind == LIGHT_TRIANGLE)
+            .count() as u32,
+        leaves: index("nodes of the light tree", 2 * first_leaf)? / 2,
+        nodes: tree.nodes,
     })
 }
 
-struct Tree<'a> {
-    words: Vec<u32>,
+struct Tree {
+    nodes: Vec<LightNode>,
     first_leaf: usize,
     radius2_min: f32,
-    lights: &'a mut [Light],
 }
 
-impl Tree<'_> {
+impl Tree {
     /// Writes a node and what is below it. Halves the lights at the median of their places along the
     /// longest axis; each node's number of lights fits the leaves below it.
     fn plant(&mut self, node: usize, leaves: &mut [Leaf]) {
-        let low = leaves
-            .iter()
-            .map(|leaf| leaf.low)
-            .fold(Vec3::INFINITY, Vec3::min);
-        let high = leaves
-            .iter()
-            .map(|leaf| leaf.high)
-            .fold(Vec3::NEG_INFINITY, Vec3::max);
+        let low = (leaves.iter().map(|leaf| leaf.low)).fold(Vec3::INFINITY, Vec3::min);
+        let high = (leaves.iter().map(|leaf| leaf.high)).fold(Vec3::NEG_INFINITY, Vec3::max);
         let centre = low.midpoint(high);
-        let radius2 = (high - centre).length_squared().max(self.radius2_min);
+        let radius = RADIUS_SLACK * (high - centre).length();
         let weight: f64 = leaves.iter().map(|leaf| f64::from(leaf.weight)).sum();
-        let at = node * TREE_WORDS as usize;
-        let numbers = [centre.x, centre.y, centre.z, radius2, weight as f32];
-        self.words[at..at + 5].copy_from_slice(&numbers.map(f32::to_bits));
-        self.words[at + 5] = NONE;
+        let (axis, cos_cone) = cone(leaves);
+        self.nodes[node] = LightNode {
+            centre: centre.to_array(),
+            radius2: (radius * radius).max(self.radius2_min),
+            axis: axis.as_vec3().to_array(),
+            cos_cone: cos_cone as f32,
+            sin_cone: (1.0 - cos_cone * cos_cone).sqrt() as f32,
+            cos_reach: (leaves.iter().map(|leaf| leaf.cos_reach)).fold(1.0, f32::min),
+            weight: weight as f32,
+            light: NONE,
+        };
         if let ([leaf], true) = (&*leaves, node >= self.first_leaf) {
-            self.words[at + 5] = leaf.light;
-            self.lights[leaf.light as usize].alias_index = node as u32;
+            self.nodes[node].light = leaf.light;
             return;
         }
         let extent = high - low;
@@ -167,12 +260,8 @@ impl Tree<'_> {
         }
         let (left, right) = leaves.split_at_mut(half);
         self.plant(2 * node, left);
-        if right.is_empty() {
-            // Never taken, but asked, and that from the origin too.
-            let empty = (2 * node + 1) * TREE_WORDS as usize;
-            self.words[empty + 3] = self.radius2_min.to_bits();
-            return;
+        if !right.is_empty() {
+            self.plant(2 * node + 1, right);
         }
-        self.plant(2 * node + 1, right);
     }
 }

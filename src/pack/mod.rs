@@ -17,7 +17,7 @@ use crate::bvh::{Bounds, Hierarchy, MAX_DEPTH};
 use crate::scene::{self, Scene};
 use crate::shared::{
     BACKGROUND_COLOR, BACKGROUND_ENVIRONMENT, BACKGROUND_TRANSPARENT, Frame, INSTANCE_KEYS_MASK,
-    INSTANCE_KEYS_SHIFT, Instance, Light, MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK,
+    INSTANCE_KEYS_SHIFT, Instance, Light, LightNode, MATERIAL_ALPHA_BLEND, MATERIAL_ALPHA_MASK,
     MATERIAL_EMISSIVE, MATERIAL_THIN_WALLED, Material, NONE, Tables, Triangle,
 };
 use crate::tables::tables;
@@ -44,6 +44,8 @@ pub struct Packed {
     pub materials: Vec<Material>,
     pub texels: Vec<u32>,
     pub lights: Vec<Light>,
+    /// Of the light tree, `2 * frame.light_tree_leaves`; one of zeros where there is no tree.
+    pub light_nodes: Vec<LightNode>,
     /// Radiance of the environment map, `frame.environment_size`; at least one texel.
     pub environment: Vec<[f32; 4]>,
     /// `frame.environment_cells` rows of `x + 1` entries (cumulative probability in the row, density
@@ -227,7 +229,7 @@ fn pack_with(
     let mut lights = gather_lights(scene, &geometry, &materials, punctual, environment.as_ref());
     let radius = 0.5 * diagonal(geometry.bounds);
     let weights = lights::build_lights(&mut lights, radius);
-    let light_tree = light_tree::build_light_tree(&mut lights, &mut textures.texels, radius)?;
+    let light_tree = light_tree::build_light_tree(&mut lights, &geometry, &materials, radius)?;
     let any_triangle = |flags: u32| {
         geometry
             .triangles
@@ -261,7 +263,7 @@ fn pack_with(
         ray_offset_floor: RAY_OFFSET_FLOOR * diagonal(geometry.bounds),
         has_alpha: u32::from(has_alpha),
         has_thin_walls: u32::from(has_thin_walls),
-        light_tree: light_tree.first_word,
+        light_tree_triangles: light_tree.triangles,
         light_tree_leaves: light_tree.leaves,
         clamp: view.clamp.unwrap_or(0.0),
         ..Frame::zeroed()
@@ -287,6 +289,7 @@ fn pack_with(
         materials,
         texels: textures.texels,
         lights,
+        light_nodes: light_tree.nodes,
         environment: texels_of_environment,
         environment_cells: cells_of_environment,
     })

@@ -2,7 +2,7 @@
 
 use bytemuck::Zeroable;
 use snell::pack::Packed;
-use snell::shared::{Frame, NONE, Tables, Texture};
+use snell::shared::{Frame, LightNode, NONE, Tables, Texture};
 
 /// Nothing in it. Arrays that a binding cannot leave empty have one entry of zeros.
 pub fn empty_packed() -> Packed {
@@ -22,6 +22,7 @@ pub fn empty_packed() -> Packed {
         materials: Vec::new(),
         texels: Vec::new(),
         lights: Vec::new(),
+        light_nodes: vec![LightNode::zeroed()],
         environment: vec![[0.0; 4]],
         environment_cells: vec![[1.0, 0.0]; 2],
     }

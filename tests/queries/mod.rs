@@ -7,7 +7,7 @@ use bytemuck::Zeroable;
 use glam::{DVec2, DVec3};
 use snell::cpu::bsdf::Bsdf;
 use snell::pack::Packed;
-use snell::shared::{self, Frame, LabQuery};
+use snell::shared::{self, Frame, LabQuery, LightNode};
 
 /// How many queries each function answers.
 pub const COUNT: usize = 100_000;
@@ -74,6 +74,7 @@ pub fn tables_only() -> Packed {
         materials: Vec::new(),
         texels: Vec::new(),
         lights: Vec::new(),
+        light_nodes: vec![LightNode::zeroed()],
         environment: vec![[0.0; 4]],
         environment_cells: vec![[0.0; 2]; 2],
     }

@@ -22,9 +22,10 @@ pub struct LightSample {
     pub wi: DVec3,
     /// Metres to the light.
     pub distance: f64,
-    /// Radiance, times `weight` of an environment's sample; of a delta light: irradiance on a surface that faces it.
+    /// Radiance; of a delta light: irradiance on a surface that faces it; times `pdf` over the density that
+    /// the sample had.
     pub Le: DVec3,
-    /// Per solid angle, of a delta light discrete; the choice included; 0: no sample.
+    /// By which it is weighed: per solid angle, of a delta light discrete; the choice included; 0: no sample.
     pub pdf: f64,
     /// 1: no other technique finds this light.
     pub delta: u32,
@@ -102,14 +103,17 @@ pub fn light_sample(
     let pick = light_pick(packed, u_pick, u);
     let mut light = &packed.lights[pick.index as usize];
     let mut share = 1.0 / total;
+    let mut weight = 1.0;
     if light.kind == LIGHT_CLUSTER {
-        let leaf = tree_pick(packed, p, pick.rest, (u.x * f64::from(1u32 << 24)) as u32);
+        let seed = (u.x * f64::from(1u32 << 24)) as u32;
+        let leaf = tree_pick(packed, p, ns, transmits, pick.rest, seed);
         if leaf.p <= 0.0 {
             return result;
         }
         share *= f64::from(light.weight) * leaf.p;
         light = &packed.lights[leaf.index as usize];
         share /= f64::from(light.weight);
+        weight = leaf.weight;
     }
     if light.kind == LIGHT_ENVIRONMENT {
         let sample = environment_sample_facing(packed, ns, transmits, pick.rest, u);
@@ -155,11 +159,11 @@ pub fn light_sample(
         let emission_weight = f64::from(packed.materials[material as usize].emission_weight);
         result.pdf = light_pdf_triangle(share, emission_weight, distance, cos_light);
         if result.pdf > 0.0 {
-            result.Le = Le_triangle(packed, light, barycentrics);
+            result.Le = weight * Le_triangle(packed, light, barycentrics);
         }
         return result;
     }
-    result.Le = irradiance_punctual(packed, light, result.wi, distance);
+    result.Le = weight * irradiance_punctual(packed, light, result.wi, distance);
     result.pdf = f64::from(light.weight) * share;
     result.delta = 1;
     result
