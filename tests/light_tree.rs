@@ -5,7 +5,7 @@ mod common;
 #[path = "common/picture.rs"]
 mod picture;
 
-use common::shapes::{Random, flat, grid, instance, material, scene};
+use common::shapes::{Random, flat, grid, instance, material, scene, two_levels};
 use common::statistics::{assert_p, chi_square_p};
 use glam::{Affine3A, DVec2, DVec3, Vec3};
 use picture::{assert_parity, on_cpu, on_gpu, packed, whole};
@@ -193,42 +193,48 @@ fn picks_follow_their_probability() {
 /// Points on lights that shine to where they are seen from, above the surface: none may be left out.
 #[test]
 fn every_light_that_shines_to_a_surface_can_be_chosen() {
-    let packed = packed(&many_lights(), [8, 8]);
+    // Baked, what is mirrored is mirrored in its mesh.
+    for scene in [many_lights(), two_levels(many_lights())] {
+        all_that_shine_can_be_chosen(&packed(&scene, [8, 8]));
+    }
+}
+
+fn all_that_shine_can_be_chosen(packed: &Packed) {
     let mut random = Random(36);
     let (mut seen, mut unseen) = (0, 0);
     for (number, p) in places(&mut random, 4000).into_iter().enumerate() {
         let ns = random.direction().as_dvec3();
         let time = f64::from(random.unit());
-        for (_, light) in in_tree(&packed).skip(number % 3).step_by(3) {
+        for (_, light) in in_tree(packed).skip(number % 3).step_by(3) {
             let u = DVec2::new(random.unit().into(), random.unit().into());
             let (target, shines) = match light.kind {
                 LIGHT_TRIANGLE => {
-                    let at = light_at(&packed, light, time);
+                    let at = light_at(packed, light, time);
                     let b = sample_triangle(u);
                     let target = at.position + b.x * at.direction + b.y * at.edge2;
                     let to_p = (p - target).normalize();
-                    let cosine = to_p.dot(light_normal(&packed, &at, time));
-                    (target, cos_emission(&packed, &at, cosine) > 0.0)
+                    let cosine = to_p.dot(light_normal(packed, &at, time));
+                    (target, cos_emission(packed, &at, cosine) > 0.0)
                 }
                 _ => {
                     let target = Vec3::from(light.position).as_dvec3();
                     let wi = (target - p).normalize();
-                    let light = irradiance_punctual(&packed, light, wi, target.distance(p));
+                    let light = irradiance_punctual(packed, light, wi, target.distance(p));
                     (target, light != DVec3::ZERO)
                 }
             };
             let leaf = light.alias_index;
             let above = (target - p).dot(ns) > 0.0;
             if shines {
-                assert!(tree_probability(&packed, p, leaf) > 0.0, "{light:?} to {p}");
-                assert!(walked(&packed, p, ns, true, leaf) > 0.0, "{light:?} to {p}");
+                assert!(tree_probability(packed, p, leaf) > 0.0, "{light:?} to {p}");
+                assert!(walked(packed, p, ns, true, leaf) > 0.0, "{light:?} to {p}");
             }
             if shines && above {
-                let probability = walked(&packed, p, ns, false, leaf);
+                let probability = walked(packed, p, ns, false, leaf);
                 assert!(probability > 0.0, "{light:?} to {p} with {ns}");
                 seen += 1;
             } else {
-                unseen += u32::from(walked(&packed, p, ns, false, leaf) == 0.0);
+                unseen += u32::from(walked(packed, p, ns, false, leaf) == 0.0);
             }
         }
     }
@@ -326,24 +332,29 @@ fn a_tree_changes_no_picture() {
     assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
 }
 
-/// Lights that face all ways, that move, and that surfaces turn away from.
+/// Lights that face all ways, that move, and that surfaces turn away from; and points and spots alone.
 #[test]
 fn a_tree_changes_no_light() {
-    let mut scene = many_lights();
-    let Model::MetallicRoughness(floor) = &mut scene.materials[0].model else {
+    let mut all = many_lights();
+    let Model::MetallicRoughness(floor) = &mut all.materials[0].model else {
         unreachable!("it is grey");
     };
     (floor.roughness, floor.metallic) = (0.3, 0.5);
-    let tree = packed(&scene, [24, 24]);
-    let table = by_table(&tree);
-    let (tree, table) = (
-        on_cpu(&tree, &whole(&tree, 2048)),
-        on_cpu(&table, &whole(&table, 8192)),
-    );
-    let verdict = z_test(&tree, &table, 0.01);
-    assert_eq!(verdict.rejected, 0, "{verdict:?}");
-    let same_mean = |p: &f64| *p > verdict.alpha_average;
-    assert!(verdict.p_mean.iter().all(same_mean), "{verdict:?}");
+    let mut points = many_lights();
+    points.instances.truncate(1);
+    points.environment = None;
+    for (name, scene, samples) in [("all", all, 2048), ("points", points, 512)] {
+        let tree = packed(&scene, [24, 24]);
+        let table = by_table(&tree);
+        let (tree, table) = (
+            on_cpu(&tree, &whole(&tree, samples)),
+            on_cpu(&table, &whole(&table, 4 * samples)),
+        );
+        let verdict = z_test(&tree, &table, 0.01);
+        assert_eq!(verdict.rejected, 0, "{name}: {verdict:?}");
+        let same_mean = |p: &f64| *p > verdict.alpha_average;
+        assert!(verdict.p_mean.iter().all(same_mean), "{name}: {verdict:?}");
+    }
 }
 
 #[test]

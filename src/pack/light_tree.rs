@@ -10,8 +10,8 @@ use crate::shared::{
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3, Vec4};
 
-/// From this many lights with a place on they are chosen by a tree: below, the walk costs more than the
-/// choice by power alone makes up for in noise (benches/RESULTS.md).
+/// From this many lights with a place on they are chosen by a tree; two are mostly the halves of one lamp, and
+/// the walk between them costs more than it brings (benches/RESULTS.md).
 pub const TREE_LIGHTS_MIN: usize = 3;
 
 /// No sphere is smaller than this part of the scene's radius, so that a surface at a light does not give
