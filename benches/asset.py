@@ -1,11 +1,12 @@
-"""A textured glTF asset for all three renderers; compare.py's `latency` uses this.
+"""A textured glTF asset for all three renderers; compare.py's --asset uses this.
 
 `prepare(FILE.gltf, FOLDER)` writes into FOLDER
     the file and what lies beside it, with a camera that frames it, for renderers that read glTF
     STEM.json, .ply and single-channel .png, for Mitsuba, which does not
 
 and returns STEM.json. Only what common assets of the metallic-roughness model hold is understood: separate
-buffers, float attributes, one texture set, no node matrices. Light is white from all around. Needs numpy, pillow.
+buffers, float attributes, one texture set, no node matrices. `env` is a radiance from all around, or True for the
+sky beside it. Needs numpy, pillow.
 """
 
 import json
@@ -65,7 +66,7 @@ def plain_material(gltf, m, folder):
     return out
 
 
-def prepare(source, folder):
+def prepare(source, folder, env=(1.0, 1.0, 1.0)):
     source, folder = Path(source), Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     for file in source.parent.iterdir():
@@ -73,7 +74,7 @@ def prepare(source, folder):
             shutil.copyfile(file, folder / file.name)
     gltf = json.loads(source.read_text())
     materials = {str(i): plain_material(gltf, m, folder) for i, m in enumerate(gltf["materials"])}
-    nodes, low, high = [], np.full(3, np.inf), np.full(3, -np.inf)
+    nodes, count, low, high = [], 0, np.full(3, np.inf), np.full(3, -np.inf)
     for i, node in enumerate(gltf["nodes"]):
         if {"matrix", "rotation", "scale", "translation", "children"} & set(node):
             raise SystemExit(f"{source}: nodes[{i}] is transformed, which benches/asset.py does not understand")
@@ -84,13 +85,14 @@ def prepare(source, folder):
             mesh, name = scenes.Mesh(positions, normals, triangles), f"{source.stem}_{i}_{j}.ply"
             scenes.write_ply(folder / name, mesh, uv)
             nodes.append(dict(mesh=name, material=str(primitive["material"]), matrix=np.eye(4).tolist()))
+            count += len(triangles)
             low, high = np.minimum(low, positions.min(0)), np.maximum(high, positions.max(0))
     camera = frame(low, high)
     gltf["cameras"] = [scenes.gltf_camera(camera)]
     gltf["nodes"].append(dict(name="camera", camera=0, matrix=scenes.column_major(scenes.camera_node(camera))))
     gltf["scenes"][gltf.get("scene", 0)]["nodes"].append(len(gltf["nodes"]) - 1)
     (folder / source.name).write_text(json.dumps(gltf))
-    plain = dict(gltf=source.name, materials=materials, camera=camera, env=[1.0, 1.0, 1.0], nodes=nodes)
+    plain = dict(triangles=count, gltf=source.name, materials=materials, camera=camera, env=env, nodes=nodes)
     out = folder / f"{source.stem}.json"
     out.write_text(json.dumps(plain))
     return out

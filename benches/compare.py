@@ -1,6 +1,6 @@
 """Snell beside Mitsuba 3 and Blender's Cycles: the same scenes, in turns, in one run. See benches/README.md.
 
-    python benches/compare.py throughput [--icd NAME=FILE.json] [--scenes ...] [--rounds N] [--json OUT] ...
+    python benches/compare.py throughput [--icd NAME=FILE.json] [--scenes ...] [--asset FILE.gltf] [--rounds N] [--json OUT] ...
     python benches/compare.py latency --asset FILE.gltf [--icd NAME=FILE.json] [--rounds N] [--json OUT] ...
 
 Prints a table in Markdown; --json keeps every figure of every round.
@@ -229,7 +229,8 @@ def blocks(image):
 
 def reference(renderer, scene, size, spp, cache):
     """The mean of pictures with seeds of their own; kept on disk."""
-    digest = hashlib.sha256(scene.read_bytes() + scene.with_suffix(".glb").read_bytes()).hexdigest()[:12]
+    gltf = json.loads(scene.read_text()).get("gltf", f"{scene.stem}.glb")
+    digest = hashlib.sha256(scene.read_bytes() + (scene.parent / gltf).read_bytes()).hexdigest()[:12]
     path = cache / "reference" / f"{scene.stem}.{renderer.convention}.{size}.{spp}.{digest}.npy"
     if path.is_file():
         return np.load(path)
@@ -260,9 +261,15 @@ def throughput(arguments):
     scenes.write_hdr(folder / "env.hdr", scenes.sky())
     result = dict(machine(), size=arguments.size, spp=arguments.spp, reference_spp=arguments.reference_spp)
     result |= dict(filter=arguments.filter, scenes={})
+    written = {}
     for name in arguments.scenes:
-        triangles = scenes.write(folder, name)
-        scene = folder / f"{name}.json"
+        scenes.write(folder, name)
+        written[name] = folder / f"{name}.json"
+    if arguments.asset:
+        scene = asset.prepare(arguments.asset, folder, env=True)
+        written[scene.stem] = scene
+    for name, scene in written.items():
+        triangles = json.loads(scene.read_text())["triangles"]
         references, rounds = {}, {r.name: [] for r in found}
         for r in found:
             if r.convention not in references:
@@ -418,7 +425,7 @@ def main():
     )
     parser.add_argument("--only", action="append", metavar="PART", help="only renderers whose name holds this")
     parser.add_argument("--scenes", nargs="+", default=list(scenes.SCENES), choices=list(scenes.SCENES))
-    parser.add_argument("--asset", metavar="FILE.gltf")
+    parser.add_argument("--asset", metavar="FILE.gltf", help="a textured asset: latency's, or one more scene, under the sky")
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--spp", type=int, help="default 64, latency 16")
     parser.add_argument("--reference-spp", type=int, default=2048)
