@@ -316,16 +316,15 @@ struct Light {
     profile_columns: u32,  // azimuths, all of a turn
 }
 
-// A node of the light tree (light/tree.wgsl): what all lights below it are within.
+// A node of the light tree (light/tree.wgsl): what the lights below it are like.
 struct LightNode {
     centre: vec3<f32>,  // of a sphere around them, world space
     radius2: f32,       // the sphere's radius squared
-    axis: vec3<f32>,    // of a cone around the directions that they face, unit length
-    cos_cone: f32,      // of the angle between it and the farthest of them; -1: they face anywhere
-    sin_cone: f32,
-    cos_reach: f32,     // of the largest angle that one shines to from the direction that it faces
+    facing: vec3<f32>,  // mean of the directions that they face, by weight; 0 of one that shines to all sides
     weight: f32,        // sum of their weights
     light: u32,         // at a leaf: its light's index, or NONE
+    reserved0: u32,
+    reserved1: vec2<u32>,
 }
 
 // What glTF's extensions add to a reflection model, after texturing. Of the base, `Bsdf.reflectance` is

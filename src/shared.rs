@@ -282,18 +282,17 @@ pub struct Light {
     pub profile_columns: u32,
 }
 
-/// A node of the light tree: what all lights below it are within.
+/// A node of the light tree: what the lights below it are like.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct LightNode {
     pub centre: [f32; 3],
     pub radius2: f32,
-    pub axis: [f32; 3],
-    pub cos_cone: f32,
-    pub sin_cone: f32,
-    pub cos_reach: f32,
+    pub facing: [f32; 3],
     pub weight: f32,
     pub light: u32,
+    pub reserved0: u32,
+    pub reserved1: [u32; 2],
 }
 
 /// What glTF's extensions add to a reflection model, after texturing.

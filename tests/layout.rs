@@ -239,12 +239,11 @@ fn structures_agree_field_by_field() {
             host!(shared::LightNode {
                 centre,
                 radius2,
-                axis,
-                cos_cone,
-                sin_cone,
-                cos_reach,
+                facing,
                 weight,
                 light,
+                reserved0,
+                reserved1,
             }),
         ),
         (

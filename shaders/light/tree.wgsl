@@ -1,8 +1,8 @@
 // The choice among many lights with a place, by what they may send to a place on a surface: a binary tree
-// over them, in which a walk from the root takes each child in proportion to a bound of power, distance, the
-// directions that its lights face and, for the walk alone, the surface's. Conty Estevez and Kulla 2018,
-// "Importance sampling of many lights with adaptive tree splitting", without the splitting; Pharr, Jakob and
-// Humphreys 2023, "Physically based rendering", section 12.6.3.
+// over them, in which a walk from the root takes each child in proportion to an estimate from power, distance,
+// the directions that its lights face and, for the walk alone, the surface's. Conty Estevez and Kulla 2018,
+// "Importance sampling of many lights with adaptive tree splitting", without the splitting and with means in
+// the place of bounds, so that every light has a probability.
 //
 // Nodes are numbered as in a heap: the root is 1, the children of k are 2k and 2k + 1, and leaves come last.
 // Node 0 is none.
@@ -18,53 +18,58 @@ const LIGHT_NODES_IN_ROW: u32 = 2048u;
 // A uniform number is used for choices down to this probability; then it has too few bits left.
 const TREE_REFRESH: f32 = 0x1p-8f;
 
-// What a node's lights may send to a place, but for a factor that all nodes share: above 0 if one of them does.
+// What a node's lights send to a place, about, but for a factor that all nodes share; above 0.
 struct TreeImportance {
     sent: f32,     // whatever the surface faces
-    received: f32, // times a bound on the cosine at the surface
+    received: f32, // times the cosine at the surface
 }
+
+// The cosine of lights below a surface: none is left out.
+const COSINE_MIN: f32 = 0.02;
 
 struct TreePick {
     index: u32,  // of the light
-    p: f32,      // probability of this choice, were it made by what is sent; 0: no light is chosen
+    p: f32,      // probability of this choice, were it made by what is sent
     weight: f32, // p over the probability that the choice had
 }
 
+// A node but for its light.
 fn light_node(node: u32) -> LightNode {
     let at = vec2<u32>(3u * (node % LIGHT_NODES_IN_ROW), node / LIGHT_NODES_IN_ROW);
     let sphere = bitcast<vec4<f32>>(textureLoad(light_nodes, at, 0));
-    let cone = bitcast<vec4<f32>>(textureLoad(light_nodes, at + vec2<u32>(1u, 0u), 0));
-    let rest = textureLoad(light_nodes, at + vec2<u32>(2u, 0u), 0);
-    let numbers = bitcast<vec3<f32>>(rest.xyz);
-    return LightNode(sphere.xyz, sphere.w, cone.xyz, cone.w, numbers.x, numbers.y, numbers.z, rest.w);
+    let facing = bitcast<vec4<f32>>(textureLoad(light_nodes, at + vec2<u32>(1u, 0u), 0));
+    return LightNode(sphere.xyz, sphere.w, facing.xyz, facing.w, NONE, 0u, vec2<u32>(0u));
 }
 
-// cos(max(a - b, 0)) of angles in [0, pi].
+fn light_of_leaf(node: u32) -> u32 {
+    return textureLoad(light_nodes, vec2<u32>(3u * (node % LIGHT_NODES_IN_ROW) + 2u, node / LIGHT_NODES_IN_ROW), 0).x;
+}
+
+// About the mean of max(x, 0) where x has this mean and four thirds of this variance: right where there is no
+// variance, and 1/4 for the cosine of directions to all sides, 0 and 1/4. Above 0 where the variance is.
+fn mean_above_zero(mean: f32, variance: f32) -> f32 {
+    let size = sqrt(mean * mean + variance) + abs(mean);
+    return 0.5 * select(variance / size, size, mean >= 0.0);
+}
+
+// cos(max(a - b, 0)) of angles a in [0, pi], b in [0, pi/2].
 fn cos_beyond(cos_a: f32, cos_b: f32, sin_b: f32) -> f32 {
     let sin_a = sqrt(max(1.0 - cos_a * cos_a, 0.0));
     return select(cos_a * cos_b + sin_a * sin_b, 1.0, cos_a > cos_b);
 }
 
-// Of a node's lights to p, for a surface with the normal ns.
+// Of a node's lights to p, for a surface with the normal ns. What they send is about the mean over the sphere, the
+// cosine the largest in it: a mean there would leave a light that is close by with too little probability.
 fn tree_importance(node: LightNode, p: vec3<f32>, ns: vec3<f32>, transmits: bool) -> TreeImportance {
     let to_centre = node.centre - p;
-    let distance2 = dot(to_centre, to_centre);
-    if distance2 <= node.radius2 {
-        // Lights are somewhere in the sphere, and p is in it too.
-        return TreeImportance(node.weight / node.radius2, node.weight / node.radius2);
-    }
-    let sin2_sphere = node.radius2 / distance2;
-    let sin_sphere = sqrt(sin2_sphere);
-    let cos_sphere = sqrt(1.0 - sin2_sphere);
+    // No nearer than the radius: lights are somewhere in the sphere, and p may be in it too.
+    let distance2 = max(dot(to_centre, to_centre), node.radius2);
     let direction = to_centre * inverseSqrt(distance2);
-    // The least angle between a direction that a light faces and one from it to p.
-    let cos_axis = clamp(-dot(node.axis, direction), -1.0, 1.0);
-    let cos_facing = cos_beyond(cos_axis, node.cos_cone, node.sin_cone);
-    let cos_light = cos_beyond(cos_facing, cos_sphere, sin_sphere);
-    let sent = select(0.0, node.weight * max(cos_light, 0.0) / distance2, cos_light > node.cos_reach);
-    let cos_centre = clamp(dot(ns, direction), -1.0, 1.0);
-    let cos_surface = cos_beyond(cos_centre, cos_sphere, sin_sphere);
-    return TreeImportance(sent, select(sent * max(cos_surface, 0.0), sent, transmits));
+    let spread = node.radius2 / distance2; // squared sine of the angle that the sphere's radius is seen at
+    let turned = 0.25 * max(1.0 - dot(node.facing, node.facing), 0.0);
+    let sent = node.weight * mean_above_zero(-dot(node.facing, direction), turned + spread) / distance2;
+    let cosine = cos_beyond(dot(ns, direction), sqrt(max(1.0 - spread, 0.0)), sqrt(spread));
+    return TreeImportance(sent, select(sent * max(cosine, COSINE_MIN), sent, transmits));
 }
 
 // A light for a surface at p with the normal ns, by the uniform number u; `seed` makes further ones of it.
@@ -78,21 +83,13 @@ fn tree_pick(p: vec3<f32>, ns: vec3<f32>, transmits: bool, u: f32, seed: u32) ->
     var by_sent = 1.0;
     var rest = u;
     var used = 1.0;
-    var light = NONE;
     while node < frame.light_tree_leaves {
-        let left_node = light_node(2u * node);
-        let right_node = light_node(2u * node + 1u);
-        let left = tree_importance(left_node, p, ns, transmits);
-        let right = tree_importance(right_node, p, ns, transmits);
-        let received = left.received + right.received;
-        if received <= 0.0 {
-            return TreePick(NONE, 0.0, 0.0);
-        }
-        let p_left = left.received / received;
+        let left = tree_importance(light_node(2u * node), p, ns, transmits);
+        let right = tree_importance(light_node(2u * node + 1u), p, ns, transmits);
+        let p_left = left.received / (left.received + right.received);
         let takes_left = rest < p_left;
-        let p_taken = select(right.received / received, p_left, takes_left);
+        let p_taken = select(right.received / (left.received + right.received), p_left, takes_left);
         rest = select((rest - p_left) / (1.0 - p_left), rest / p_left, takes_left);
-        light = select(right_node.light, left_node.light, takes_left);
         by_sent *= select(right.sent, left.sent, takes_left) / (left.sent + right.sent);
         node = 2u * node + select(1u, 0u, takes_left);
         probability *= p_taken;
@@ -102,7 +99,7 @@ fn tree_pick(p: vec3<f32>, ns: vec3<f32>, transmits: bool, u: f32, seed: u32) ->
             used = 1.0;
         }
     }
-    return TreePick(light, by_sent, by_sent / probability);
+    return TreePick(light_of_leaf(node), by_sent, by_sent / probability);
 }
 
 // The probability by what is sent with which tree_pick takes the light of this leaf.
@@ -113,9 +110,6 @@ fn tree_probability(p: vec3<f32>, leaf: u32) -> f32 {
     while node > 1u {
         let own = tree_importance(light_node(node), p, no_surface, true).sent;
         let other = tree_importance(light_node(node ^ 1u), p, no_surface, true).sent;
-        if own <= 0.0 {
-            return 0.0;
-        }
         probability *= own / (own + other);
         node = node / 2u;
     }

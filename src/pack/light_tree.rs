@@ -18,11 +18,6 @@ pub const TREE_LIGHTS_MIN: usize = 3;
 /// it all of the choice.
 const RADIUS_MIN: f32 = 1e-4;
 
-/// Spheres are larger by this factor and cones wider by this angle, radians, than what they are around, so that
-/// rounding in a kernel loses no light.
-const RADIUS_SLACK: f32 = 1.001;
-const CONE_SLACK: f64 = 1e-3;
-
 /// The tree, and where its lights are.
 pub struct LightTree {
     /// Entries of the alias table: the lights before those in the tree.
@@ -40,10 +35,8 @@ pub struct LightTree {
 struct Leaf {
     low: Vec3,
     high: Vec3,
-    /// The direction that it faces, unit length; none: it shines anywhere.
-    facing: Option<DVec3>,
-    /// Of the largest angle that it shines to from there.
-    cos_reach: f32,
+    /// The direction that it faces, unit length, or 0: it shines to all sides.
+    facing: DVec3,
     weight: f32,
     light: u32,
 }
@@ -54,16 +47,12 @@ impl Leaf {
         let mut leaf = Self {
             low: place,
             high: place,
-            facing: None,
-            cos_reach: -1.0,
+            facing: DVec3::ZERO,
             weight: light.weight,
             light: index as u32,
         };
         match light.kind {
-            LIGHT_SPOT => {
-                leaf.facing = Some(Vec3::from(light.direction).as_dvec3());
-                leaf.cos_reach = light.cos_outer - CONE_SLACK as f32;
-            }
+            LIGHT_SPOT => leaf.facing = Vec3::from(light.direction).as_dvec3(),
             LIGHT_TRIANGLE => leaf.stretch(light, geometry, materials),
             _ => {}
         }
@@ -102,43 +91,14 @@ impl Leaf {
             0 => 1.0,
             _ => -1.0,
         };
-        self.facing = (edge1.normalize_or_zero().cross(edge2.normalize_or_zero()))
-            .try_normalize()
-            .map(|normal| side * normal);
-        if self.facing.is_some() {
-            self.cos_reach = 0.0;
-        }
+        let across = edge1.normalize_or_zero().cross(edge2.normalize_or_zero());
+        self.facing = side * across.normalize_or_zero();
     }
 
     fn include(&mut self, corner: Vec3) {
         self.low = self.low.min(corner);
         self.high = self.high.max(corner);
     }
-}
-
-/// Around the directions that lights face: an axis and the cosine of the largest angle to it.
-fn cone(leaves: &[Leaf]) -> (DVec3, f64) {
-    const ANYWHERE: (DVec3, f64) = (DVec3::Z, -1.0);
-    let facing: Option<Vec<DVec3>> = leaves.iter().map(|leaf| leaf.facing).collect();
-    let Some(facing) = facing else {
-        return ANYWHERE;
-    };
-    let weighed = facing.iter().zip(leaves);
-    let sum: DVec3 = weighed
-        .map(|(&normal, leaf)| normal * f64::from(leaf.weight))
-        .sum();
-    let Some(axis) = sum.try_normalize() else {
-        return ANYWHERE;
-    };
-    let farthest = facing
-        .iter()
-        .map(|normal| normal.dot(axis))
-        .fold(1.0, f64::min);
-    let angle = farthest.clamp(-1.0, 1.0).acos() + CONE_SLACK;
-    if angle >= std::f64::consts::PI {
-        return ANYWHERE;
-    }
-    (axis, angle.cos())
 }
 
 /// Where there are many lights with a place, puts them behind the others, triangles first by instance and
@@ -232,18 +192,20 @@ impl Tree {
         let low = (leaves.iter().map(|leaf| leaf.low)).fold(Vec3::INFINITY, Vec3::min);
         let high = (leaves.iter().map(|leaf| leaf.high)).fold(Vec3::NEG_INFINITY, Vec3::max);
         let centre = low.midpoint(high);
-        let radius = RADIUS_SLACK * (high - centre).length();
+        let radius2 = (high - centre).length_squared();
         let weight: f64 = leaves.iter().map(|leaf| f64::from(leaf.weight)).sum();
-        let (axis, cos_cone) = cone(leaves);
+        let facing: DVec3 = (leaves.iter())
+            .map(|leaf| f64::from(leaf.weight) * leaf.facing)
+            .sum();
         self.nodes[node] = LightNode {
             centre: centre.to_array(),
-            radius2: (radius * radius).max(self.radius2_min),
-            axis: axis.as_vec3().to_array(),
-            cos_cone: cos_cone as f32,
-            sin_cone: (1.0 - cos_cone * cos_cone).sqrt() as f32,
-            cos_reach: (leaves.iter().map(|leaf| leaf.cos_reach)).fold(1.0, f32::min),
+            radius2: radius2.max(self.radius2_min),
+            facing: (facing / weight.max(f64::MIN_POSITIVE))
+                .as_vec3()
+                .to_array(),
             weight: weight as f32,
             light: NONE,
+            ..LightNode::zeroed()
         };
         if let ([leaf], true) = (&*leaves, node >= self.first_leaf) {
             self.nodes[node].light = leaf.light;

@@ -1,8 +1,8 @@
 //! The choice among many lights with a place, by what they may send to a place on a surface: a binary tree
-//! over them, in which a walk from the root takes each child in proportion to a bound of power, distance,
-//! the directions that its lights face and, for the walk alone, the surface's. Conty Estevez and Kulla 2018,
-//! "Importance sampling of many lights with adaptive tree splitting", without the splitting; Pharr, Jakob
-//! and Humphreys 2023, "Physically based rendering", section 12.6.3.
+//! over them, in which a walk from the root takes each child in proportion to an estimate from power,
+//! distance, the directions that its lights face and, for the walk alone, the surface's. Conty Estevez and
+//! Kulla 2018, "Importance sampling of many lights with adaptive tree splitting", without the splitting and
+//! with means in the place of bounds, so that every light has a probability.
 //!
 //! Nodes are numbered as in a heap: the root is 1, the children of k are 2k and 2k + 1, and leaves come
 //! last. Node 0 is none.
@@ -15,13 +15,15 @@ use glam::{DVec3, Vec3};
 /// A uniform number is used for choices down to this probability; then it has too few bits left.
 pub const TREE_REFRESH: f64 = 1.0 / 256.0;
 
-/// What a node's lights may send to a place, but for a factor that all nodes share: above 0 if one of them
-/// does.
+/// The cosine of lights below a surface: none is left out.
+pub const COSINE_MIN: f64 = 0.02;
+
+/// What a node's lights send to a place, about, but for a factor that all nodes share; above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeImportance {
     /// Whatever the surface faces.
     pub sent: f64,
-    /// Times a bound on the cosine at the surface.
+    /// Times the cosine at the surface.
     pub received: f64,
 }
 
@@ -29,7 +31,7 @@ pub struct TreeImportance {
 pub struct TreePick {
     /// Of the light.
     pub index: u32,
-    /// Probability of this choice, were it made by what is sent; 0: no light is chosen.
+    /// Probability of this choice, were it made by what is sent.
     pub p: f64,
     /// `p` over the probability that the choice had.
     pub weight: f64,
@@ -39,7 +41,18 @@ pub fn light_node(packed: &Packed, node: u32) -> &LightNode {
     &packed.light_nodes[node as usize]
 }
 
-/// cos(max(a - b, 0)) of angles in [0, pi].
+pub fn light_of_leaf(packed: &Packed, node: u32) -> u32 {
+    light_node(packed, node).light
+}
+
+/// About the mean of max(x, 0) where x has this mean and four thirds of this variance: right where there is
+/// no variance, and 1/4 for the cosine of directions to all sides, 0 and 1/4. Above 0 where the variance is.
+pub fn mean_above_zero(mean: f64, variance: f64) -> f64 {
+    let size = (mean * mean + variance).sqrt() + mean.abs();
+    0.5 * if mean >= 0.0 { size } else { variance / size }
+}
+
+/// cos(max(a - b, 0)) of angles a in [0, pi], b in [0, pi/2].
 pub fn cos_beyond(cos_a: f64, cos_b: f64, sin_b: f64) -> f64 {
     if cos_a > cos_b {
         1.0
@@ -49,37 +62,26 @@ pub fn cos_beyond(cos_a: f64, cos_b: f64, sin_b: f64) -> f64 {
     }
 }
 
-/// Of a node's lights to p, for a surface with the normal ns.
+/// Of a node's lights to p, for a surface with the normal ns. What they send is about the mean over the
+/// sphere, the cosine the largest in it: a mean there would leave a light that is close by with too little
+/// probability.
 pub fn tree_importance(node: &LightNode, p: DVec3, ns: DVec3, transmits: bool) -> TreeImportance {
     let vector = |v: [f32; 3]| Vec3::from(v).as_dvec3();
-    let (radius2, weight) = (f64::from(node.radius2), f64::from(node.weight));
+    let (facing, radius2) = (vector(node.facing), f64::from(node.radius2));
     let to_centre = vector(node.centre) - p;
-    let distance2 = to_centre.length_squared();
-    if distance2 <= radius2 {
-        // Lights are somewhere in the sphere, and p is in it too.
-        return TreeImportance {
-            sent: weight / radius2,
-            received: weight / radius2,
-        };
-    }
-    let sin2_sphere = radius2 / distance2;
-    let (sin_sphere, cos_sphere) = (sin2_sphere.sqrt(), (1.0 - sin2_sphere).sqrt());
+    // No nearer than the radius: lights are somewhere in the sphere, and p may be in it too.
+    let distance2 = to_centre.length_squared().max(radius2);
     let direction = to_centre / distance2.sqrt();
-    // The least angle between a direction that a light faces and one from it to p.
-    let cos_axis = (-vector(node.axis).dot(direction)).clamp(-1.0, 1.0);
-    let (cos_cone, sin_cone) = (f64::from(node.cos_cone), f64::from(node.sin_cone));
-    let cos_facing = cos_beyond(cos_axis, cos_cone, sin_cone);
-    let cos_light = cos_beyond(cos_facing, cos_sphere, sin_sphere);
-    let sent = if cos_light > f64::from(node.cos_reach) {
-        weight * cos_light.max(0.0) / distance2
-    } else {
-        0.0
-    };
-    let received = if transmits || sent == 0.0 {
+    // Squared sine of the angle that the sphere's radius is seen at.
+    let spread = radius2 / distance2;
+    let turned = 0.25 * (1.0 - facing.length_squared()).max(0.0);
+    let sent = f64::from(node.weight) * mean_above_zero(-facing.dot(direction), turned + spread)
+        / distance2;
+    let received = if transmits {
         sent
     } else {
-        let cos_centre = ns.dot(direction).clamp(-1.0, 1.0);
-        sent * cos_beyond(cos_centre, cos_sphere, sin_sphere).max(0.0)
+        let (cos_sphere, sin_sphere) = ((1.0 - spread).max(0.0).sqrt(), spread.sqrt());
+        sent * cos_beyond(ns.dot(direction), cos_sphere, sin_sphere).max(COSINE_MIN)
     };
     TreeImportance { sent, received }
 }
@@ -106,13 +108,6 @@ pub fn tree_pick(
         let [left, right] = [2 * node, 2 * node + 1]
             .map(|child| tree_importance(light_node(packed, child), p, ns, transmits));
         let received = left.received + right.received;
-        if received <= 0.0 {
-            return TreePick {
-                index: NONE,
-                p: 0.0,
-                weight: 0.0,
-            };
-        }
         let p_left = left.received / received;
         let (p_taken, sent) = if rest < p_left {
             rest /= p_left;
@@ -132,7 +127,7 @@ pub fn tree_pick(
         }
     }
     TreePick {
-        index: light_node(packed, node).light,
+        index: light_of_leaf(packed, node),
         p: by_sent,
         weight: by_sent / probability,
     }
@@ -145,9 +140,6 @@ pub fn tree_probability(packed: &Packed, p: DVec3, leaf: u32) -> f64 {
     let mut probability = 1.0;
     while node > 1 {
         let own = sent(node);
-        if own <= 0.0 {
-            return 0.0;
-        }
         probability *= own / (own + sent(node ^ 1));
         node /= 2;
     }
