@@ -196,6 +196,27 @@ fn picks_follow_their_probability() {
     }
 }
 
+/// One light's place among the leaves is empty, and one light is dark: what is left of a number near 1 must not
+/// be rounded past them.
+#[test]
+fn nothing_without_light_is_chosen() {
+    let mut scene = many_lights();
+    scene.instances.truncate(1);
+    scene.lights.truncate(7);
+    scene.lights[3].intensity = Vec3::ZERO;
+    let packed = packed(&scene, [8, 8]);
+    assert_eq!(packed.frame.light_tree_leaves, 8);
+    let mut random = Random(38);
+    for p in places(&mut random, 20_000) {
+        let ns = random.direction().as_dvec3();
+        for u in [0.0, 1.0 - f64::EPSILON / 2.0, 1.0 - f64::from(f32::EPSILON)] {
+            let pick = tree_pick(&packed, p, ns, false, u, 0);
+            assert!(pick.p > 0.0 && pick.weight > 0.0, "at {p}: {pick:?}");
+            assert!(packed.lights[pick.index as usize].weight > 0.0, "{pick:?}");
+        }
+    }
+}
+
 #[test]
 fn nodes_are_around_their_lights_and_face_as_they_do() {
     // Baked, what is mirrored is mirrored in its mesh.

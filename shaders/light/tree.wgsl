@@ -18,6 +18,9 @@ const LIGHT_NODES_IN_ROW: u32 = 2048u;
 // A uniform number is used for choices down to this probability; then it has too few bits left.
 const TREE_REFRESH: f32 = 0x1p-8f;
 
+// What is left of a number is rounded to no more than this: 1 would take a child that has no light.
+const BELOW_ONE: f32 = 0x1.fffffep-1f;
+
 // What a node's lights send to a place, about, but for a factor that all nodes share; above 0.
 struct TreeImportance {
     sent: f32,     // whatever the surface faces
@@ -89,7 +92,7 @@ fn tree_pick(p: vec3<f32>, ns: vec3<f32>, transmits: bool, u: f32, seed: u32) ->
         let p_left = left.received / (left.received + right.received);
         let takes_left = rest < p_left;
         let p_taken = select(right.received / (left.received + right.received), p_left, takes_left);
-        rest = select((rest - p_left) / (1.0 - p_left), rest / p_left, takes_left);
+        rest = min(select((rest - p_left) / (1.0 - p_left), rest / p_left, takes_left), BELOW_ONE);
         by_sent *= select(right.sent, left.sent, takes_left) / (left.sent + right.sent);
         node = 2u * node + select(1u, 0u, takes_left);
         probability *= p_taken;

@@ -18,6 +18,9 @@ pub const TREE_REFRESH: f64 = 1.0 / 256.0;
 /// The cosine of lights below a surface: none is left out.
 pub const COSINE_MIN: f64 = 0.02;
 
+/// What is left of a number is rounded to no more than this: 1 would take a child that has no light.
+pub const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// What a node's lights send to a place, about, but for a factor that all nodes share; above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreeImportance {
@@ -120,6 +123,7 @@ pub fn tree_pick(
         };
         by_sent *= sent / (left.sent + right.sent);
         probability *= p_taken;
+        rest = rest.min(BELOW_ONE);
         used *= p_taken;
         if used < TREE_REFRESH {
             rest = unit_from_bits(hash_combine(seed, node));
