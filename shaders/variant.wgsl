@@ -20,6 +20,7 @@ const MOTION: bool = true;                    // something moves while the shutt
 const TEST_ALPHA: bool = true;                // some material is masked or blended
 const SKIPS_BRANCHES: bool = true;            // the driver jumps over a branch that no lane takes
 const DEFERS_ALPHA: bool = TEST_ALPHA && !SKIPS_BRANCHES;
+const DEFERS_ENTRY: bool = INSTANCES && !SKIPS_BRANCHES;
 const MEDIA: bool = true;                     // some material is the boundary of a medium
 const BOUNDARIES: bool = true;                // of the class' materials
 const DISPERSION: bool = true;                // that disperses

@@ -1,7 +1,7 @@
 //! Tracing rays through the two levels of hierarchies: instances, and the triangles of their meshes.
 
 use super::alpha::is_visible;
-use super::intersect::{intersect_node, intersect_triangle, local_ray};
+use super::intersect::{LocalRay, intersect_node, intersect_triangle, local_ray};
 use super::ray::{Hit, Ray};
 use super::transform::{instance_at, normal_matrix, transform_translation, vector_in_object};
 use crate::bvh::STACK_SIZE;
@@ -47,6 +47,51 @@ impl pulp::WithSimd for Trace<'_> {
     }
 }
 
+/// The hierarchy that a ray is in, and the ray in its space.
+struct Entered {
+    local: LocalRay,
+    /// Also the only one, if there is but one.
+    instance: u32,
+    first_triangle: u32,
+}
+
+/// Into the first of the instances `leaves`; what is left there and in `inner` waits on the stack.
+#[inline(always)]
+fn enter(
+    packed: &Packed,
+    ray: Ray,
+    inner: &mut UVec2,
+    leaves: &mut UVec2,
+    stack: &mut [UVec2; STACK_SIZE],
+    stack_size: &mut usize,
+) -> Entered {
+    let place = 31 - leaves.y.leading_zeros();
+    let number = leaves.x + place;
+    leaves.y &= !(1 << place);
+    if inner.y > 0x00ff_ffff {
+        stack[*stack_size] = *inner;
+        *stack_size += 1;
+    }
+    if leaves.y != 0 {
+        stack[*stack_size] = *leaves;
+        *stack_size += 1;
+    }
+    let instance = instance_at(packed, number, ray.time);
+    *inner = UVec2::new(instance.root, 0x8000_0000);
+    leaves.y = 0;
+    let rows = instance.world_from_object;
+    let N = normal_matrix(rows);
+    let origin = ray.origin - transform_translation(rows);
+    Entered {
+        local: local_ray(
+            vector_in_object(rows, N, origin),
+            vector_in_object(rows, N, ray.direction),
+        ),
+        instance: number,
+        first_triangle: instance.first_triangle,
+    }
+}
+
 /// The nearest visible hit, or the first that is found. In a miss, `t` is the ray's `t_max`.
 #[inline(always)]
 pub fn trace(packed: &Packed, ray: Ray, alpha_seed: u32, any: bool) -> Hit {
@@ -84,10 +129,11 @@ fn trace_levels<const INSTANCES: bool>(
     let mut stack_size = 0;
     // Stack size at which the mesh is done, while in one.
     let mut mesh_floor = None;
-    // Also the only one, if there is but one.
-    let mut instance = 0;
-    let mut first_triangle = 0;
-    let mut local = local_ray(ray.origin, ray.direction);
+    let mut entered = Entered {
+        local: local_ray(ray.origin, ray.direction),
+        instance: 0,
+        first_triangle: 0,
+    };
     let mut inner = UVec2::new(packed.frame.mesh_root, 0x8000_0000);
     if INSTANCES {
         inner.x = packed.frame.root;
@@ -97,14 +143,14 @@ fn trace_levels<const INSTANCES: bool>(
         // Only the top level's primitives wait on the stack.
         if !INSTANCES || inner.y > 0x00ff_ffff {
             let place = 31 - inner.y.leading_zeros();
-            let slot = (place - 24) ^ local.octant;
+            let slot = (place - 24) ^ entered.local.octant;
             let child = inner.x + (inner.y & 0xff & !(u32::MAX << slot)).count_ones();
             inner.y &= !(1 << place);
             if inner.y > 0x00ff_ffff {
                 stack[stack_size] = inner;
                 stack_size += 1;
             }
-            let met = intersect_node(packed, &local, ray.t_min, hit.t, child);
+            let met = intersect_node(packed, &entered.local, ray.t_min, hit.t, child);
             inner = met.inner;
             leaves = met.leaves;
         } else {
@@ -113,50 +159,36 @@ fn trace_levels<const INSTANCES: bool>(
         }
         if INSTANCES && mesh_floor.is_none() {
             if leaves.y != 0 {
-                // Into an instance; what is left here waits on the stack.
-                let place = 31 - leaves.y.leading_zeros();
-                leaves.y &= !(1 << place);
-                if inner.y > 0x00ff_ffff {
-                    stack[stack_size] = inner;
-                    stack_size += 1;
-                }
-                if leaves.y != 0 {
-                    stack[stack_size] = leaves;
-                    stack_size += 1;
-                }
-                mesh_floor = Some(stack_size);
-                instance = leaves.x + place;
-                let entered = instance_at(packed, instance, ray.time);
-                let rows = entered.world_from_object;
-                let N = normal_matrix(rows);
-                let origin = ray.origin - transform_translation(rows);
-                local = local_ray(
-                    vector_in_object(rows, N, origin),
-                    vector_in_object(rows, N, ray.direction),
+                entered = enter(
+                    packed,
+                    ray,
+                    &mut inner,
+                    &mut leaves,
+                    &mut stack,
+                    &mut stack_size,
                 );
-                first_triangle = entered.first_triangle;
-                inner = UVec2::new(entered.root, 0x8000_0000);
+                mesh_floor = Some(stack_size);
             }
         } else {
             while leaves.y != 0 {
                 let place = 31 - leaves.y.leading_zeros();
                 leaves.y &= !(1 << place);
-                let index = first_triangle + leaves.x + place;
+                let index = entered.first_triangle + leaves.x + place;
                 let triangle = &packed.triangles[index as usize];
-                let found = intersect_triangle(&local, triangle);
+                let found = intersect_triangle(&entered.local, triangle);
                 let barycentrics = DVec2::new(found.u, found.v);
                 if found.hit
                     && found.t > ray.t_min
                     && found.t < hit.t
                     && (found.front || triangle.flags & TRIANGLE_CULLED == 0)
                     && (triangle.flags & TRIANGLE_ALPHA == 0
-                        || is_visible(packed, index, instance, barycentrics, alpha_seed))
+                        || is_visible(packed, index, entered.instance, barycentrics, alpha_seed))
                 {
                     hit = Hit {
                         t: found.t,
                         u: found.u,
                         v: found.v,
-                        instance,
+                        instance: entered.instance,
                         triangle: index,
                     };
                     if any {
@@ -171,7 +203,7 @@ fn trace_levels<const INSTANCES: bool>(
             }
             if INSTANCES && mesh_floor == Some(stack_size) {
                 mesh_floor = None;
-                local = local_ray(ray.origin, ray.direction);
+                entered.local = local_ray(ray.origin, ray.direction);
             }
             stack_size -= 1;
             inner = stack[stack_size];
