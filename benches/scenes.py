@@ -12,7 +12,8 @@ axes): a direction d is found at u = atan2(d.z, d.x) / (2 pi) + 1/2, v = acos(d.
 
 `cornell` and `spheres` are the team's neutral scenes, `million` is a landscape of 1.2 million triangles under the
 same sky, `glass` a box with clear and frosted glass under a lamp. `interior` is a room that the sky lights through a
-window, `lamps` a floor among 96 lamps of many sizes and colours.
+window, `lamps` a floor among 96 lamps of many sizes and colours, `herd` 400 instances under the sky, `rings` gold
+under a lamp with nothing around it.
 
 Kinds of material, and what each becomes in glTF (alpha = roughness^2 in all renderers):
     diffuse   a Lambertian: metallic 0, roughness 1, specularFactor 0
@@ -152,6 +153,21 @@ def boulder(level, bump, seed):
     ball = icosphere(level)
     r = 1 + bump * waves(*(3 * ball.positions.T), seed)
     return smooth(ball.positions * r[:, None], ball.triangles)
+
+
+def torus(radius, thickness, around=96, across=48):
+    """A ring about +y; `thickness` is its tube's radius."""
+    n, m = around, across
+    u, v = np.meshgrid(2 * math.pi * np.arange(n) / n, 2 * math.pi * np.arange(m) / m, indexing="ij")
+    normals = np.stack([np.cos(v) * np.cos(u), np.sin(v), np.cos(v) * np.sin(u)], -1).reshape(-1, 3)
+    middle = np.stack([radius * np.cos(u), 0 * u, radius * np.sin(u)], -1).reshape(-1, 3)
+    i, j = np.arange(n)[:, None], np.arange(m)
+    a, b, c, d = (
+        ((i + di) % n * m + (j + dj) % m).ravel() for di, dj in ((0, 0), (0, 1), (1, 0), (1, 1))
+    )
+    return Mesh(
+        middle + thickness * normals, normals, np.concatenate([np.stack([a, b, c], 1), np.stack([c, b, d], 1)])
+    )
 
 
 def placed(at, scale=1.0, turn=0.0):
@@ -303,7 +319,59 @@ def lamps():
     return s
 
 
-SCENES = dict(cornell=cornell, spheres=spheres, million=million, glass=glass, interior=interior, lamps=lamps)
+def herd():
+    """400 instances of six meshes, 2.9 million triangles if each were its own."""
+    s = Scene(camera=dict(origin=[0, 3, 9], target=[0, 0.5, 0], yfov=42.0), env=True)
+    s.meshes = dict(
+        ground=quad((-30, 0, 30), (30, 0, 30), (30, 0, -30), (-30, 0, -30)),
+        stone=boulder(4, 0.2, seed=2),
+        ring=torus(0.6, 0.12),
+    )
+    s.materials = dict(
+        ground=dict(kind="diffuse", color=[0.4, 0.4, 0.35]),
+        clay=dict(kind="plastic", color=[0.5, 0.2, 0.1], roughness=0.3),
+        moss=dict(kind="diffuse", color=[0.2, 0.5, 0.2]),
+        brass=dict(kind="metal", color=[0.9, 0.8, 0.5], roughness=0.3),
+    )
+    s.add("ground", "ground")
+    rng = np.random.default_rng(3)
+    for number in range(400):
+        x, z, size = rng.uniform(-12, 12), rng.uniform(-20, 5), rng.uniform(0.15, 0.5)
+        material = ("clay", "moss", "brass")[number % 3]
+        s.add(("stone", "ring")[number % 2], material, placed((x, 0.8 * size, z), size, rng.uniform(0, 360)))
+    return s
+
+
+def rings():
+    """Short paths: three rings of polished gold under a lamp, nothing around them."""
+    s = Scene(camera=dict(origin=[0, 2.2, 3.2], target=[0, 0.1, 0], yfov=40.0), env=False)
+    s.meshes = dict(
+        ground=quad((-6, 0, 6), (6, 0, 6), (6, 0, -6), (-6, 0, -6)),
+        ring=torus(0.6, 0.12),
+        lamp=quad((-0.2, 3, -0.2), (0.2, 3, -0.2), (0.2, 3, 0.2), (-0.2, 3, 0.2)),
+    )
+    s.materials = dict(
+        ground=dict(kind="diffuse", color=[0.6, 0.6, 0.6]),
+        gold=dict(kind="metal", color=[1, 0.77, 0.34], roughness=0.15),
+        light=dict(kind="light", radiance=[300.0, 280.0, 250.0]),
+    )
+    s.add("ground", "ground")
+    s.add("lamp", "light", placed((1.2, 0, -0.8)))
+    for x, z, size in ((-0.9, -0.4, 0.6), (0.2, 0.5, 0.8), (1.1, -0.5, 0.5)):
+        s.add("ring", "gold", placed((x, 0.12, z), size))
+    return s
+
+
+SCENES = dict(
+    cornell=cornell,
+    spheres=spheres,
+    million=million,
+    glass=glass,
+    interior=interior,
+    lamps=lamps,
+    herd=herd,
+    rings=rings,
+)
 
 
 # ---- the sky
