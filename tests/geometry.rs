@@ -257,9 +257,10 @@ fn instances_are_hit_where_their_transforms_put_them() {
     check(&scene, &rays, 4000);
 }
 
-/// A ray enters an instance while others of the same node wait, with alpha looked up within the traversal and
-/// outside of it: what waits is never taken for triangles of the instance. Each mesh is smaller than what may wait,
-/// so that such triangles would be others' in a wrong place; the masked meshes are not there at all.
+/// A ray enters an instance while others of the same node wait, with instances entered and alpha looked up within
+/// the traversal's loop and outside of it: what waits is never taken for triangles of the instance. Each mesh is
+/// smaller than what may wait, so that such triangles would be others' in a wrong place; the masked meshes are not
+/// there at all.
 #[test]
 fn what_waits_outside_of_an_instance_is_not_met_in_it() {
     let mut random = Random(8);
@@ -290,8 +291,8 @@ fn what_waits_outside_of_an_instance_is_not_met_in_it() {
         trace_on(&gpu, &packed, &rays)
     };
     for (name, traced) in [
-        ("alpha later", kernels(false)),
-        ("alpha at once", kernels(true)),
+        ("outside of the loop", kernels(false)),
+        ("within the loop", kernels(true)),
         ("reference", trace_cpu(&packed, &rays)),
     ] {
         let verdict = judge(&there, &rays, &traced);

@@ -452,10 +452,10 @@ fn edges_are_the_filters_integral() {
     }
 }
 
-/// Alpha is looked up within the traversal or outside of it, as suits the driver; what is seen is the same,
-/// with all things in one level and in two.
+/// Alpha is looked up and instances are entered within the traversal's loop or outside of it, as suits the driver;
+/// what is seen is the same, with all things in one level and in two.
 #[test]
-fn alpha_that_is_looked_up_later_shows_the_same() {
+fn what_is_put_off_in_the_traversal_shows_the_same() {
     let mut soup = shapes::soup(&mut shapes::Random(5), 70, 1.0);
     soup.primitives[0].material = 1;
     let turned = |angle| shapes::instance(0, Affine3A::from_rotation_x(angle));
